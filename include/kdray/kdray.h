@@ -1,0 +1,309 @@
+/* kdray: ray queries against triangles, through a kd-tree that is built again whenever they move.
+ *
+ * One C header, no dependency but libc, libm and threads.
+ *
+ *   device   workers, memory and log; everything else is made from one
+ *   scene    triangles, and the tree that a commit makes of them
+ *   query    rays asked of a committed scene
+ *
+ * Ownership. A handle has one owner, who destroys it. A scene must be destroyed before its device. Arrays given in
+ * def structs are borrowed: the caller keeps them alive and unchanged while a commit runs. Queries read copies only.
+ *
+ * Errors. Everything that can fail returns a kdr_status and, on failure, tells the device's log a sentence. Nothing
+ * is half done: a call that fails leaves the scene as it was.
+ *
+ * Threads. Queries may run on any number of threads at once, on the same scene. A call that changes an object
+ * (add, touch, commit, destroy) needs that object for itself alone; a commit needs its device for itself as well.
+ *
+ * Floating point. Coordinates and distances are binary32. Hit decisions are those of exact arithmetic on the given
+ * numbers (see kdr_intersect1). The default floating-point environment is assumed: round to nearest, no flush to zero.
+ */
+#ifndef KDRAY_KDRAY_H
+#define KDRAY_KDRAY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define KDR_API __attribute__((visibility("default")))
+#else
+#define KDR_API
+#endif
+
+#define KDR_VERSION_MAJOR 0
+#define KDR_VERSION_MINOR 1
+#define KDR_VERSION_PATCH 0
+
+/* ---------------------------------------------------------------------------------------------------- status */
+
+/* Every status, with the sentence that kdr_status_text gives for it. */
+#define KDR_STATUS_LIST(X)                                                                                          \
+    X(KDR_OK, "no error")                                                                                            \
+    X(KDR_ERROR_OUT_OF_MEMORY, "out of memory")                                                                      \
+    X(KDR_ERROR_INVALID_ARGUMENT, "invalid argument")                                                                \
+    X(KDR_ERROR_INVALID_DATA, "invalid data")                                                                        \
+    X(KDR_ERROR_IO, "input or output failed")                                                                        \
+    X(KDR_ERROR_UNSUPPORTED, "not supported")                                                                        \
+    X(KDR_ERROR_LIMIT, "a limit of the library was exceeded")                                                        \
+    X(KDR_ERROR_CANCELLED, "cancelled")
+
+typedef enum kdr_status {
+#define KDR_STATUS_NAME(name, text) name,
+    KDR_STATUS_LIST(KDR_STATUS_NAME)
+#undef KDR_STATUS_NAME
+} kdr_status;
+
+/* A short lower-case phrase for a status; never NULL; static storage. Any value is accepted. Thread safe. */
+KDR_API const char *kdr_status_text(kdr_status status);
+
+/* "major.minor.patch" of the library that is linked; static storage. Thread safe. */
+KDR_API const char *kdr_version(void);
+
+/* ---------------------------------------------------------------------------------------------------- device */
+
+typedef struct kdr_device kdr_device;
+typedef struct kdr_scene kdr_scene;
+
+/* Instruction sets, narrowest first. A device uses the widest one that machine, KDR_ISA and isa_limit all allow. */
+typedef enum kdr_isa {
+    KDR_ISA_SCALAR, /* plain C, one lane: the reference */
+    KDR_ISA_SSE42,  /* 4 lanes */
+    KDR_ISA_AVX2,   /* 8 lanes, with FMA present but never used to contract */
+    KDR_ISA_AVX512, /* 16 lanes: F, DQ, VL */
+    KDR_ISA_NEON,   /* 4 lanes, aarch64 */
+} kdr_isa;
+
+/* Lower-case name ("scalar", "sse42", "avx2", "avx512", "neon"); "unknown" for other values. Thread safe. */
+KDR_API const char *kdr_isa_name(kdr_isa isa);
+
+/* One unit of concurrent work; index is in [0, count) of the start that it belongs to. */
+typedef void kdr_task_fn(void *context, uint32_t index);
+
+/* How a host lends its threads. Two functions and a pointer.
+ *
+ *   start  begins `count` calls task(context, 0) ... task(context, count - 1), in any order, at best all at once.
+ *          Returns a handle for wait, or NULL when the calls have already been made.
+ *   wait   returns when all calls of that handle have returned. The waiting thread may make calls itself.
+ *
+ * Calls never wait for one another, so a host that runs them one after the other is correct, only slow.
+ * Both are called on the thread that called kdray, and never from inside a task. */
+typedef struct kdr_task_backend {
+    void *(*start)(kdr_task_fn *task, void *context, uint32_t count, void *user);
+    void (*wait)(void *handle, void *user);
+    void *user; /* passed through; owned by the host */
+} kdr_task_backend;
+
+/* A host's memory. Both NULL: kdray's own (mmap for large sizes, aligned_alloc otherwise).
+ *
+ *   allocate  `size` bytes (never 0) aligned to `alignment` (a power of two, at most 4096); NULL when there is none
+ *   release   gives back what allocate returned, with the same size
+ *
+ * Called from any worker, several at once. Large requests are upper bounds: pages that stay untouched should cost
+ * nothing, as with malloc on Linux. */
+typedef struct kdr_allocator {
+    void *(*allocate)(size_t size, size_t alignment, void *user);
+    void (*release)(void *memory, size_t size, void *user);
+    void *user;
+} kdr_allocator;
+
+typedef enum kdr_log_level { KDR_LOG_ERROR, KDR_LOG_WARNING, KDR_LOG_INFO } kdr_log_level;
+
+/* One sentence, no newline, valid during the call only. Called on the thread that called kdray. */
+typedef void kdr_log_fn(kdr_log_level level, const char *message, void *user);
+
+typedef struct kdr_device_def {
+    size_t size;               /* set by kdr_default_device_def; proves initialisation and version */
+    uint32_t worker_count;     /* threads that build; 0: as many as this thread may run on; at most 256 */
+    kdr_isa isa_limit;         /* use nothing wider; default: no limit beyond the KDR_ISA environment variable */
+    kdr_task_backend tasks;    /* default (start NULL): a pool of kdray's own threads */
+    kdr_allocator allocator;   /* default (allocate NULL): kdray's own */
+    kdr_log_fn *log;           /* NULL: silence */
+    void *log_user;            /* passed to log */
+} kdr_device_def;
+
+KDR_API kdr_device_def kdr_default_device_def(void);
+
+/* Makes a device. def NULL means the defaults. *out is NULL on failure.
+ * Errors: INVALID_ARGUMENT (def not initialised, one callback of a pair missing, out NULL), OUT_OF_MEMORY,
+ * UNSUPPORTED (KDR_ISA names a set that this machine lacks). Thread safe. */
+KDR_API kdr_status kdr_device_create(const kdr_device_def *def, kdr_device **out);
+
+/* Destroys a device whose scenes are all destroyed. NULL is allowed. */
+KDR_API void kdr_device_destroy(kdr_device *device);
+
+KDR_API kdr_isa kdr_device_isa(const kdr_device *device);
+KDR_API uint32_t kdr_device_worker_count(const kdr_device *device);
+
+/* Bytes that the device and its scenes hold now, and the most they ever held. Thread safe. */
+KDR_API size_t kdr_device_bytes(const kdr_device *device);
+KDR_API size_t kdr_device_peak_bytes(const kdr_device *device);
+
+/* Gives back the working memory that is kept from one commit to the next. */
+KDR_API void kdr_device_trim(kdr_device *device);
+
+/* Runs task(context, i) for i in [0, count) on the device's workers and returns when all are done: the device's
+ * threads lent back to the caller, for tracing or shading. count may exceed the worker count. Not from inside a task. */
+KDR_API void kdr_device_run(kdr_device *device, kdr_task_fn *task, void *context, uint32_t count);
+
+/* ----------------------------------------------------------------------------------------------------- scene */
+
+#define KDR_INVALID_ID UINT32_MAX
+
+/* Indexed triangles. Arrays are borrowed until the scene is destroyed, and read only while a commit runs. */
+typedef struct kdr_triangles_def {
+    size_t size;            /* set by kdr_default_triangles_def */
+    const float *vertices;  /* x, y, z of vertex i at (const char *)vertices + i * vertex_stride; NULL only if none */
+    size_t vertex_stride;   /* bytes, a multiple of 4, at least 12; default 12 */
+    size_t vertex_count;    /* at most 2^32 - 1 */
+    const uint32_t *indices; /* three vertex numbers a triangle; NULL: triangle i has vertices 3i, 3i + 1, 3i + 2 */
+    size_t index_stride;    /* bytes from one triangle to the next, a multiple of 4, at least 12; default 12 */
+    size_t triangle_count;  /* may be 0 */
+} kdr_triangles_def;
+
+KDR_API kdr_triangles_def kdr_default_triangles_def(void);
+
+/* Makes an empty scene. It answers "miss" until its first commit. Errors: INVALID_ARGUMENT, OUT_OF_MEMORY. */
+KDR_API kdr_status kdr_scene_create(kdr_device *device, kdr_scene **out);
+
+/* Destroys a scene. NULL is allowed. No query may be running. */
+KDR_API void kdr_scene_destroy(kdr_scene *scene);
+
+/* Adds triangles; they take part from the next commit on. *geometry (may be NULL) gets 0, 1, 2 ... in order.
+ * Errors: INVALID_ARGUMENT (def, strides, missing arrays), LIMIT (2^32 - 1 geometries), OUT_OF_MEMORY.
+ * Vertex numbers are checked by the commit, not here. */
+KDR_API kdr_status kdr_scene_add_triangles(kdr_scene *scene, const kdr_triangles_def *def, uint32_t *geometry);
+
+/* Gives a geometry new arrays or counts, in force from the next commit on. Errors: INVALID_ARGUMENT. */
+KDR_API kdr_status kdr_scene_set_triangles(kdr_scene *scene, uint32_t geometry, const kdr_triangles_def *def);
+
+/* Says that the arrays of a geometry have new contents. A commit of a scene in which nothing was added, set or touched,
+ * with the same build def, does nothing. Errors: INVALID_ARGUMENT (no such geometry). */
+KDR_API kdr_status kdr_scene_touch(kdr_scene *scene, uint32_t geometry);
+
+/* How the tree is built. Distances are relative costs of the surface area heuristic. */
+typedef struct kdr_build_def {
+    size_t size;              /* set by kdr_default_build_def */
+    float cost_traversal;     /* of one step through an interior node; > 0 */
+    float cost_intersection;  /* of one triangle test; > 0 */
+    uint32_t leaf_limit;      /* more primitives than this are split even where the heuristic would not; >= 1 */
+    uint32_t depth_limit;     /* 0: 8 + 1.3 log2(primitives); at most KDR_MAX_DEPTH */
+    float reference_limit;    /* references a primitive, over the whole tree, that splitting may use; >= 1 */
+} kdr_build_def;
+
+#define KDR_MAX_DEPTH 60
+
+KDR_API kdr_build_def kdr_default_build_def(void);
+
+/* Builds the tree over all triangles; def NULL means the defaults. Blocks until done; the device's workers help.
+ * Triangles with a vertex that is not finite are left out and counted in the statistics.
+ * On failure the old tree stays in force. The tree depends on the triangles and the def alone, never on the number of
+ * workers or the instruction set. Errors: INVALID_ARGUMENT (def), INVALID_DATA (a vertex number out of range),
+ * LIMIT (2^30 triangles), OUT_OF_MEMORY. */
+KDR_API kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *def);
+
+/* Smallest box around the committed triangles, {min x, y, z, max x, y, z}; min > max on every axis if there are none. */
+KDR_API void kdr_scene_bounds(const kdr_scene *scene, float bounds[6]);
+
+#define KDR_HISTOGRAM_SIZE 64
+
+typedef struct kdr_tree_stats {
+    uint64_t triangle_count;    /* in the tree */
+    uint64_t dropped_count;     /* left out: a vertex is NaN or infinite */
+    uint64_t degenerate_count;  /* of triangle_count: exactly zero area, no ray can hit them */
+    uint64_t interior_count;
+    uint64_t leaf_count;        /* with empty ones */
+    uint64_t empty_leaf_count;
+    uint64_t reference_count;   /* triangles over all leaves; over triangle_count: the duplication */
+    uint32_t depth;             /* of the deepest leaf; the root has 0 */
+    uint32_t largest_leaf;
+    double mean_leaf_depth;     /* over all leaves */
+    double cost;                /* by the surface area heuristic, with the constants the tree was built with */
+    size_t node_bytes;          /* nodes of the tree */
+    size_t leaf_bytes;          /* blocks of the leaves */
+    double build_seconds;       /* wall time of the commit */
+    uint64_t depth_histogram[KDR_HISTOGRAM_SIZE]; /* leaves at each depth */
+    uint64_t leaf_histogram[KDR_HISTOGRAM_SIZE];  /* leaves with i triangles; the last counts all larger ones */
+} kdr_tree_stats;
+
+/* Walks the committed tree and counts. Errors: INVALID_ARGUMENT. Thread safe with queries. */
+KDR_API kdr_status kdr_scene_stats(const kdr_scene *scene, kdr_tree_stats *out);
+
+/* A number that is equal for equal trees (nodes, split planes and the triangles of each leaf), however they lie in
+ * memory and whoever built them. 0 before the first commit. */
+KDR_API uint64_t kdr_scene_hash(const kdr_scene *scene);
+
+/* Walks the committed tree and checks every invariant: planes inside their cells, every triangle in every leaf whose
+ * cell its box meets, depth and counts within limits. INVALID_DATA with a log message when one is broken. */
+KDR_API kdr_status kdr_scene_verify(const kdr_scene *scene);
+
+/* --------------------------------------------------------------------------------------------------- queries */
+
+/* Field order is that of Embree's RTCRay; 16-byte alignment is not required. */
+typedef struct kdr_ray {
+    float origin_x, origin_y, origin_z;
+    float tmin;                              /* exclusive; in units of the direction's length; may be negative */
+    float direction_x, direction_y, direction_z; /* any length but zero */
+    float time;                              /* not read */
+    float tmax;                              /* inclusive; infinity is allowed */
+    uint32_t mask;                           /* not read */
+    uint32_t id;                             /* not read; the caller's */
+    uint32_t flags;                          /* not read */
+} kdr_ray;
+
+/* Field order is that of Embree's RTCHit. */
+typedef struct kdr_hit {
+    float normal_x, normal_y, normal_z; /* (b - a) x (c - a) of triangle a, b, c: not unit length */
+    float u, v;                         /* hit point = (1 - u - v) a + u b + v c */
+    uint32_t primitive;                 /* number of the triangle within its geometry */
+    uint32_t geometry;                  /* KDR_INVALID_ID: nothing was hit */
+    uint32_t instance;                  /* KDR_INVALID_ID */
+} kdr_hit;
+
+typedef struct kdr_ray_hit {
+    kdr_ray ray;
+    kdr_hit hit;
+} kdr_ray_hit;
+
+/* Finds the closest hit. If there is one, ray.tmax becomes its distance and hit is filled in; if not, ray is left
+ * alone and hit.geometry becomes KDR_INVALID_ID.
+ *
+ * What counts as a hit, in exact arithmetic on the floats given:
+ *   a ray meets a triangle if the three edge functions of the triangle's projection along the ray have no two
+ *   opposite signs (a zero is inside) and are not all zero (a triangle seen edge-on, or without area, is never hit);
+ *   its distance is the exact one, rounded to the nearest float; it must be greater than tmin and at most tmax;
+ *   of hits at equal (rounded) distance, the lowest geometry wins, then the lowest primitive.
+ * Both sides of a triangle are hit. A closed mesh has no cracks. A ray with a component that is NaN or an infinite
+ * origin or direction, with zero direction, or with tmin >= tmax, misses.
+ *
+ * scene must not be NULL. Never allocates, locks or fails. Thread safe. */
+KDR_API void kdr_intersect1(const kdr_scene *scene, kdr_ray_hit *ray_hit);
+
+/* True if there is any hit as defined above. */
+KDR_API bool kdr_occluded1(const kdr_scene *scene, const kdr_ray *ray);
+
+typedef enum kdr_coherence { KDR_COHERENCE_UNKNOWN, KDR_COHERENCE_COHERENT, KDR_COHERENCE_INCOHERENT } kdr_coherence;
+
+/* What the caller knows about the rays of one call. It changes speed only, never an answer. */
+typedef struct kdr_trace_def {
+    size_t size;             /* set by kdr_default_trace_def */
+    kdr_coherence coherence; /* default: unknown */
+} kdr_trace_def;
+
+KDR_API kdr_trace_def kdr_default_trace_def(void);
+
+/* The same for `count` rays, each answered as by kdr_intersect1 or kdr_occluded1. def NULL means the defaults.
+ * occluded[i] becomes 1 or 0. Runs on the calling thread: split the rays over threads with kdr_device_run. */
+KDR_API void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_hit *ray_hits, size_t count);
+KDR_API void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, uint8_t *occluded,
+                            size_t count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
