@@ -10,7 +10,7 @@
 _Noreturn void kdr_check_failed(const char *condition, const char *file, int line);
 
 #ifdef NDEBUG
-#define KDR_CHECK(condition) ((void)sizeof(condition))
+#define KDR_CHECK(condition) ((void)(0 && (condition))) /* compiled, never evaluated */
 #else
 #define KDR_CHECK(condition) ((condition) ? (void)0 : kdr_check_failed(#condition, __FILE__, __LINE__))
 #endif
