@@ -17,8 +17,6 @@ static const size_t counts[] = {0, 1, 2, 100, KDR_SCAN_GRAIN - 1, KDR_SCAN_GRAIN
                                 2 * KDR_SCAN_GRAIN, MOST};
 #define COUNTS (sizeof(counts) / sizeof(*counts))
 
-/* ------------------------------------------------------------------------------------------------------ loop */
-
 typedef struct visits {
     _Atomic uint8_t visited[MOST];
     size_t count;
@@ -65,8 +63,6 @@ static void a_loop_visits_every_index_once_in_ranges_cut_at_multiples_of_the_gra
         test_crew_close(&crew);
     }
 }
-
-/* ------------------------------------------------------------------------------------------------------ scan */
 
 static void a_scan_is_the_serial_exclusive_sum_for_any_crew(void **state) {
     (void)state;
@@ -118,8 +114,6 @@ static void scratch_has_an_entry_for_every_grain(void **state) {
     assert_int_equal(kdr_scan_scratch(KDR_SCAN_GRAIN + 1), 2);
     assert_int_equal(kdr_scan_scratch(SIZE_MAX), SIZE_MAX / KDR_SCAN_GRAIN + 1);
 }
-
-/* ---------------------------------------------------------------------------------------------------- reduce */
 
 /* A sum of floats, whose rounding betrays another order, and the least and greatest of them. */
 typedef struct float_range {
