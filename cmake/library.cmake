@@ -1,4 +1,4 @@
-# What every library of the project shares: version, include path, and the rule that it exports what its header declares.
+# What the libraries share: version, include path, and the rule that each exports what its header declares.
 
 # Names of the functions that a public header declares.
 function(kdray_declared out header)
@@ -14,7 +14,7 @@ function(kdray_declared out header)
   set(${out} ${names} PARENT_SCOPE)
 endfunction()
 
-# kdray_library(NAME HEADER): libkdray and libkdray-render both hold the base, so each has its own list of what it exports.
+# kdray_library(NAME HEADER): libkdray and libkdray-render both hold the base, so each has its own list of exports.
 function(kdray_library name header)
   target_include_directories(${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)

@@ -38,9 +38,14 @@ target_compile_options(kdray_settings INTERFACE
   -ffp-contract=off -fno-math-errno -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith
   -Wvla -Wno-psabi $<$<BOOL:${KDRAY_WERROR}>:-Werror>)
 if(KDRAY_SANITIZE)
-  target_compile_options(kdray_settings INTERFACE -fsanitize=${KDRAY_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_compile_options(kdray_settings INTERFACE
+    -fsanitize=${KDRAY_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(kdray_settings INTERFACE -fsanitize=${KDRAY_SANITIZE})
   add_link_options(-fsanitize=${KDRAY_SANITIZE})
+endif()
+
+if(KDRAY_FUZZ)
+  target_compile_options(kdray_settings INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
 if(KDRAY_OPENMP)
