@@ -16,7 +16,7 @@ int main(void) {
     kdr_status status = kdr_device_create(NULL, &device);
     if (!status) status = kdr_scene_create(device, &scene);
     if (!status) status = kdr_scene_add_triangles(scene, &square, NULL);
-    if (!status) status = kdr_scene_commit(scene, NULL); /* again whenever the arrays have changed: see kdr_scene_touch */
+    if (!status) status = kdr_scene_commit(scene, NULL); /* again when the arrays have changed */
     if (!status) {
         kdr_ray_hit ray = {.ray = {.origin_x = 0.5f, .origin_z = -2, .direction_z = 1, .tmax = INFINITY}};
         kdr_intersect1(scene, &ray);

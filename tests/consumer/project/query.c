@@ -18,7 +18,8 @@ int main(void) {
         return 1;
     }
 
-    kdr_ray_hit hit = {.ray = {.origin_x = 0.25f, .origin_y = 0.25f, .origin_z = -2, .direction_z = 1, .tmax = INFINITY}};
+    kdr_ray_hit hit = {
+        .ray = {.origin_x = 0.25f, .origin_y = 0.25f, .origin_z = -2, .direction_z = 1, .tmax = INFINITY}};
     kdr_intersect1(scene, &hit);
     kdr_ray aside = {.origin_x = 2, .origin_z = -2, .direction_z = 1, .tmax = INFINITY};
     bool occluded = kdr_occluded1(scene, &aside);
