@@ -200,7 +200,8 @@ typedef struct kdr_build_def {
 KDR_API kdr_build_def kdr_default_build_def(void);
 
 /* Builds the tree over all triangles; def NULL means the defaults. Blocks until done; the device's workers help.
- * Triangles with a vertex that is not finite are left out and counted in the statistics.
+ * Triangles with a vertex that is not finite and triangles of exactly zero area, which no ray can hit, are left out and
+ * counted in the statistics.
  * On failure the old tree stays in force. The tree depends on the triangles and the def alone, never on the number of
  * workers or the instruction set. Errors: INVALID_ARGUMENT (def), INVALID_DATA (a vertex number out of range),
  * LIMIT (2^30 triangles), OUT_OF_MEMORY. */
@@ -214,7 +215,7 @@ KDR_API void kdr_scene_bounds(const kdr_scene *scene, float bounds[6]);
 typedef struct kdr_tree_stats {
     uint64_t triangle_count;    /* in the tree */
     uint64_t dropped_count;     /* left out: a vertex is NaN or infinite */
-    uint64_t degenerate_count;  /* of triangle_count: exactly zero area, no ray can hit them */
+    uint64_t degenerate_count;  /* left out: exactly zero area, no ray can hit them */
     uint64_t interior_count;
     uint64_t leaf_count;        /* with empty ones */
     uint64_t empty_leaf_count;
