@@ -1,7 +1,7 @@
 /* Cameras made for a model, or read from a file. */
 #include "kdray/render.h"
 
-#include "render/report.h"
+#include "mesh/report.h"
 
 #include <errno.h>
 #include <fcntl.h>

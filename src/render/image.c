@@ -2,7 +2,7 @@
 #include "kdray/render.h"
 
 #include "base/check.h"
-#include "mesh/mesh_memory.h"
+#include "render/memory.h"
 #include "render/srgb.h"
 
 #include <math.h>
@@ -19,12 +19,12 @@ kdr_status kdr_image_create(uint32_t width, uint32_t height, kdr_image **out) {
     if (width == 0 || height == 0 || width > SIDE_LIMIT || height > SIDE_LIMIT)
         return KDR_ERROR_INVALID_ARGUMENT;
 
-    kdr_image *image = kdr_mesh_get(1, sizeof(kdr_image));
+    kdr_image *image = kdr_render_get(1, sizeof(kdr_image));
     if (!image)
         return KDR_ERROR_OUT_OF_MEMORY;
-    float *rgb = kdr_mesh_get(rgb_bytes(width, height), 1);
+    float *rgb = kdr_render_get(rgb_bytes(width, height), 1);
     if (!rgb) {
-        kdr_mesh_release(image, sizeof(kdr_image));
+        kdr_render_release(image, sizeof(kdr_image));
         return KDR_ERROR_OUT_OF_MEMORY;
     }
     memset(rgb, 0, rgb_bytes(width, height));
@@ -36,8 +36,8 @@ kdr_status kdr_image_create(uint32_t width, uint32_t height, kdr_image **out) {
 void kdr_image_destroy(kdr_image *image) {
     if (!image)
         return;
-    kdr_mesh_release(image->rgb, rgb_bytes(image->width, image->height));
-    kdr_mesh_release(image, sizeof(kdr_image));
+    kdr_render_release(image->rgb, rgb_bytes(image->width, image->height));
+    kdr_render_release(image, sizeof(kdr_image));
 }
 
 kdr_status kdr_image_compare(const kdr_image *a, const kdr_image *b, double *difference) {

@@ -5,9 +5,9 @@
  * are taken as sRGB, whatever the file's own gamma says. */
 #include "render/image_png.h"
 
-#include "mesh/mesh_memory.h"
+#include "mesh/report.h"
+#include "render/memory.h"
 #include "render/png_memory.h"
-#include "render/report.h"
 #include "render/srgb.h"
 
 #include <errno.h>
@@ -81,7 +81,7 @@ static kdr_status prepare_rows(png_input *input) {
         png_error(input->png, "rows of an unexpected size");
 
     size_t rows_size = input->row_size * (input->passes > 1 ? input->height : 1);
-    input->rows = kdr_mesh_get(rows_size, 1);
+    input->rows = kdr_render_get(rows_size, 1);
     if (!input->rows)
         return KDR_ERROR_OUT_OF_MEMORY;
     input->rows_size = rows_size;
@@ -129,7 +129,7 @@ kdr_status kdr_image_decode_png(const uint8_t *bytes, size_t size, const char *n
     if (size < SIGNATURE_BYTES || png_sig_cmp(bytes, 0, SIGNATURE_BYTES) != 0)
         return kdr_report(logger, KDR_ERROR_INVALID_DATA,
                           "%s: expected a PNG file, but its first 8 bytes are not the signature of one", name);
-    png_input *input = kdr_mesh_get(1, sizeof(png_input));
+    png_input *input = kdr_render_get(1, sizeof(png_input));
     if (!input)
         return kdr_report(logger, KDR_ERROR_OUT_OF_MEMORY, "%s: out of memory while reading", name);
     *input = (png_input){
@@ -146,8 +146,8 @@ kdr_status kdr_image_decode_png(const uint8_t *bytes, size_t size, const char *n
     if (status == KDR_ERROR_OUT_OF_MEMORY)
         kdr_report(logger, status, "%s: out of memory while reading", name);
     png_destroy_read_struct(&input->png, &input->info, NULL);
-    kdr_mesh_release(input->rows, input->rows_size);
-    kdr_mesh_release(input, sizeof(png_input));
+    kdr_render_release(input->rows, input->rows_size);
+    kdr_render_release(input, sizeof(png_input));
     return status;
 }
 
@@ -159,12 +159,12 @@ typedef struct file_bytes {
 } file_bytes;
 
 static kdr_status grow(file_bytes *content, size_t capacity) {
-    uint8_t *bytes = kdr_mesh_get(capacity, 1);
+    uint8_t *bytes = kdr_render_get(capacity, 1);
     if (!bytes)
         return KDR_ERROR_OUT_OF_MEMORY;
     if (content->size > 0)
         memcpy(bytes, content->bytes, content->size);
-    kdr_mesh_release(content->bytes, content->capacity);
+    kdr_render_release(content->bytes, content->capacity);
     content->bytes = bytes;
     content->capacity = capacity;
     return KDR_OK;
@@ -214,6 +214,6 @@ kdr_status kdr_image_read_png(const char *path, const kdr_logger *logger, kdr_im
         close(file);
     if (status == KDR_OK)
         status = kdr_image_decode_png(content.bytes, content.size, path, logger, out);
-    kdr_mesh_release(content.bytes, content.capacity);
+    kdr_render_release(content.bytes, content.capacity);
     return status;
 }

@@ -5,9 +5,9 @@
  * the SUB filter costs a tenth of the time of libpng's defaults, for files 1.4 times as large. */
 #include "kdray/render.h"
 
-#include "mesh/mesh_memory.h"
+#include "mesh/report.h"
+#include "render/memory.h"
 #include "render/png_memory.h"
-#include "render/report.h"
 #include "render/srgb.h"
 
 #include <errno.h>
@@ -101,7 +101,7 @@ static bool encode(png_output *output) {
 
 static kdr_status write_image(png_output *output) {
     size_t row_size = (size_t)output->image->width * 3;
-    output->row = kdr_mesh_get(row_size, 1);
+    output->row = kdr_render_get(row_size, 1);
     output->png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, output, kdr_png_fail, kdr_png_ignore, output,
                                             kdr_png_get, kdr_png_release);
     output->info = output->png ? png_create_info_struct(output->png) : NULL;
@@ -114,7 +114,7 @@ static kdr_status write_image(png_output *output) {
             status = output->error_number || !output->fault.out_of_memory ? KDR_ERROR_IO : KDR_ERROR_OUT_OF_MEMORY;
     }
     png_destroy_write_struct(&output->png, &output->info);
-    kdr_mesh_release(output->row, row_size);
+    kdr_render_release(output->row, row_size);
     return status;
 }
 
@@ -197,8 +197,8 @@ static kdr_status report_error_number(const kdr_logger *logger, const char *path
 kdr_status kdr_image_write_png(const kdr_image *image, const char *path, const kdr_logger *logger) {
     if (!image || !path)
         return kdr_report(logger, KDR_ERROR_INVALID_ARGUMENT, "writing a PNG file needs an image and a file name");
-    png_output *output = kdr_mesh_get(1, sizeof(png_output));
-    png_target *target = kdr_mesh_get(1, sizeof(png_target));
+    png_output *output = kdr_render_get(1, sizeof(png_output));
+    png_target *target = kdr_render_get(1, sizeof(png_target));
     kdr_status status = KDR_ERROR_OUT_OF_MEMORY;
     if (output && target) {
         int number = open_target(path, target);
@@ -216,7 +216,7 @@ kdr_status kdr_image_write_png(const kdr_image *image, const char *path, const k
     }
     if (status == KDR_ERROR_OUT_OF_MEMORY)
         kdr_report(logger, status, "%s: out of memory while writing", path);
-    kdr_mesh_release(target, sizeof(png_target));
-    kdr_mesh_release(output, sizeof(png_output));
+    kdr_render_release(target, sizeof(png_target));
+    kdr_render_release(output, sizeof(png_output));
     return status;
 }

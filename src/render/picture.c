@@ -1,9 +1,9 @@
 /* From a mesh and a wish to an image: scene, commit, blocks on all workers. */
 #include "base/check.h"
 #include "base/cpu.h"
-#include "mesh/mesh_memory.h"
+#include "mesh/report.h"
 #include "render/block.h"
-#include "render/report.h"
+#include "render/memory.h"
 
 #include <string.h>
 
@@ -24,7 +24,7 @@ kdr_picture_def kdr_default_picture_def(void) {
 }
 
 /* Everything that a render makes on its way. */
-typedef struct picture {
+typedef struct rendering {
     kdr_device *device;
     const kdr_logger *logger;
     kdr_scene *scene;
@@ -35,7 +35,7 @@ typedef struct picture {
     kdr_room room;
     kdr_scenery scenery;
     kdr_tile_source source;
-} picture;
+} rendering;
 
 /* ---- what was asked for */
 
@@ -60,7 +60,7 @@ static const char *find_fault(const kdr_device *device, const kdr_mesh *mesh, co
     return NULL;
 }
 
-static kdr_status check_wish(picture *picture, const kdr_mesh *mesh, const kdr_picture_def *def) {
+static kdr_status check_wish(rendering *picture, const kdr_mesh *mesh, const kdr_picture_def *def) {
     const char *fault = find_fault(picture->device, mesh, def);
     if (fault)
         return kdr_report(picture->logger, KDR_ERROR_INVALID_ARGUMENT, "%s", fault);
@@ -72,7 +72,7 @@ static kdr_status check_wish(picture *picture, const kdr_mesh *mesh, const kdr_p
 
 /* ---- what is in the picture */
 
-static kdr_status add_arrays(picture *picture, const float *vertices, size_t vertex_count, const uint32_t *indices,
+static kdr_status add_arrays(rendering *picture, const float *vertices, size_t vertex_count, const uint32_t *indices,
                              size_t triangle_count) {
     kdr_triangles_def def = kdr_default_triangles_def();
     def.vertices = vertices;
@@ -82,7 +82,7 @@ static kdr_status add_arrays(picture *picture, const float *vertices, size_t ver
     return kdr_scene_add_triangles(picture->scene, &def, NULL);
 }
 
-static kdr_status make_scene(picture *picture, const kdr_mesh *mesh, const kdr_picture_def *def,
+static kdr_status make_scene(rendering *picture, const kdr_mesh *mesh, const kdr_picture_def *def,
                              const kdr_build_def *build) {
     kdr_status status = kdr_scene_create(picture->device, &picture->scene);
     if (status == KDR_OK)
@@ -101,7 +101,7 @@ static kdr_status make_scene(picture *picture, const kdr_mesh *mesh, const kdr_p
     return status;
 }
 
-static kdr_status make_scenery(picture *picture, const kdr_mesh *mesh, const kdr_picture_def *def) {
+static kdr_status make_scenery(rendering *picture, const kdr_mesh *mesh, const kdr_picture_def *def) {
     kdr_scenery *scenery = &picture->scenery;
     if (def->box && def->texture) {
         kdr_status status = kdr_image_read_png(def->texture, picture->logger, &picture->texture);
@@ -118,13 +118,13 @@ static kdr_status make_scenery(picture *picture, const kdr_mesh *mesh, const kdr
     return KDR_OK;
 }
 
-static kdr_status make_room_for_pixels(picture *picture, const kdr_picture_def *def) {
+static kdr_status make_room_for_pixels(rendering *picture, const kdr_picture_def *def) {
     kdr_tile_source_init(&picture->source, def);
     kdr_status status = kdr_image_create(def->width, def->height, &picture->image);
     uint32_t workers = kdr_device_worker_count(picture->device);
     picture->painter_count = workers < picture->source.block_count ? workers : picture->source.block_count;
     if (status == KDR_OK) {
-        picture->painters = kdr_mesh_get(picture->painter_count, sizeof(kdr_painter));
+        picture->painters = kdr_render_get(picture->painter_count, sizeof(kdr_painter));
         status = picture->painters ? KDR_OK : KDR_ERROR_OUT_OF_MEMORY;
     }
     if (status != KDR_OK)
@@ -140,13 +140,13 @@ static kdr_status make_room_for_pixels(picture *picture, const kdr_picture_def *
 /* ---- rendering */
 
 static void paint_blocks(void *context, uint32_t index) {
-    picture *picture = context;
+    rendering *picture = context;
     kdr_block block;
     while (kdr_tile_source_next(&picture->source, &block))
         kdr_block_paint(&picture->painters[index], &picture->scenery, &block, &picture->source, picture->image);
 }
 
-static kdr_status paint(picture *picture, kdr_picture_stats *stats) {
+static kdr_status paint(rendering *picture, kdr_picture_stats *stats) {
     picture->scenery.scene = picture->scene;
     double begin = kdr_cpu_seconds();
     kdr_device_run(picture->device, paint_blocks, picture, picture->painter_count);
@@ -162,12 +162,12 @@ static kdr_status paint(picture *picture, kdr_picture_stats *stats) {
     return KDR_OK;
 }
 
-static void release(picture *picture) {
+static void release(rendering *picture) {
     kdr_scene_destroy(picture->scene);
     kdr_image_destroy(picture->texture);
     kdr_image_destroy(picture->image);
-    kdr_mesh_release(picture->painters, picture->painter_count * sizeof(kdr_painter));
-    kdr_mesh_release(picture, sizeof(*picture));
+    kdr_render_release(picture->painters, picture->painter_count * sizeof(kdr_painter));
+    kdr_render_release(picture, sizeof(*picture));
 }
 
 kdr_status kdr_picture_render(kdr_device *device, const kdr_mesh *mesh, const kdr_picture_def *def,
@@ -176,7 +176,7 @@ kdr_status kdr_picture_render(kdr_device *device, const kdr_mesh *mesh, const kd
     if (!image)
         return kdr_report(logger, KDR_ERROR_INVALID_ARGUMENT, "rendering needs room for an image");
     *image = NULL;
-    picture *picture = kdr_mesh_get(1, sizeof(*picture));
+    rendering *picture = kdr_render_get(1, sizeof(*picture));
     if (!picture)
         return kdr_report(logger, KDR_ERROR_OUT_OF_MEMORY, "out of memory before rendering");
     memset(picture, 0, sizeof(*picture));

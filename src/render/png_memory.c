@@ -1,7 +1,7 @@
 #include "render/png_memory.h"
 
 #include "base/check.h"
-#include "mesh/mesh_memory.h"
+#include "render/memory.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -23,7 +23,7 @@ void kdr_png_ignore(png_structp png, png_const_charp message) {
 png_voidp kdr_png_get(png_structp png, png_alloc_size_t size) {
     kdr_png_fault *fault = png_get_mem_ptr(png);
     size_t total;
-    unsigned char *memory = kdr_size_add(size, HEADER_BYTES, &total) ? kdr_mesh_get(total, 1) : NULL;
+    unsigned char *memory = kdr_size_add(size, HEADER_BYTES, &total) ? kdr_render_get(total, 1) : NULL;
     if (!memory) {
         fault->out_of_memory = true;
         return NULL;
@@ -39,5 +39,5 @@ void kdr_png_release(png_structp png, png_voidp memory) {
     unsigned char *start = (unsigned char *)memory - HEADER_BYTES;
     size_t total;
     memcpy(&total, start, sizeof(total));
-    kdr_mesh_release(start, total);
+    kdr_render_release(start, total);
 }
