@@ -4,8 +4,8 @@
 
 #include "mesh/source.h"
 
-/* Drops triangles with a vertex that is NaN or infinite (counted in the mesh, told as a warning), moves such vertices to
- * the origin, makes normals unit length (a normal that is zero or not finite becomes the mean of the triangles around),
+/* Drops triangles with a vertex that is NaN or infinite (counted in the mesh, told as a warning), moves such vertices
+ * to the origin, makes normals unit length (one that is zero or not finite becomes the mean of the triangles around),
  * and trims. Indices must be below vertex_count. Errors: OUT_OF_MEMORY, told. */
 kdr_status kdr_mesh_finish(kdr_mesh *mesh, const kdr_source *source);
 

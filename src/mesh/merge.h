@@ -5,8 +5,8 @@
 #include "kdray/kdray.h"
 #include "mesh/text.h"
 
-/* Numbers keys of `word_count` 32-bit words each in the order of their first appearance, equal ones alike: numbers[i] is
- * the number of key i, *unique_count how many there are. count is at most KDR_MESH_LIMIT. Errors: OUT_OF_MEMORY.
+/* Numbers keys of `word_count` 32-bit words each in the order of their first appearance, equal ones alike: numbers[i]
+ * is the number of key i, *unique_count how many there are. count is at most KDR_MESH_LIMIT. Errors: OUT_OF_MEMORY.
  * Cost: linear, one table of at most four words a key. */
 kdr_status kdr_merge_keys(const uint32_t *keys, size_t word_count, size_t count, uint32_t *numbers,
                           size_t *unique_count);

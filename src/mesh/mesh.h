@@ -42,6 +42,9 @@ kdr_status kdr_mesh_add_parts(kdr_mesh *mesh, uint32_t parts);
 kdr_status kdr_mesh_add_material(kdr_mesh *mesh, const char *name, size_t name_length, const float diffuse[3],
                                  uint32_t *index);
 
+/* Takes all materials away, triangle_materials included. */
+void kdr_mesh_drop_materials(kdr_mesh *mesh);
+
 /* Gives back room that is much larger than its contents. Keeps the mesh as it is where there is no memory to do so. */
 void kdr_mesh_trim(kdr_mesh *mesh);
 

@@ -1,7 +1,7 @@
 /* PLY headers.
  *
- * Source: G. Turk, "The PLY Polygon File Format", 1994. A header is lines of words: `ply`, `format`, then elements, each
- * with its properties, until `end_header`; comments anywhere. Both families of type names are in use. */
+ * Source: G. Turk, "The PLY Polygon File Format", 1994. A header is lines of words: `ply`, `format`, then elements,
+ * each with its properties, until `end_header`; comments anywhere. Both families of type names are in use. */
 #include "mesh/ply.h"
 
 #include <string.h>

@@ -11,7 +11,7 @@ typedef struct kdr_source {
     const char *name; /* in sentences, and for the ending that tells a format */
     const unsigned char *bytes;
     size_t length;
-    bool siblings; /* files named inside may be opened: they lie beside `name` on disk */
+    bool siblings; /* files named inside may be opened: they lie beside `name` */
     const kdr_logger *logger;
 } kdr_source;
 
@@ -41,6 +41,7 @@ kdr_status kdr_read_assimp(const kdr_source *source, kdr_mesh **out);
 
 /* Whether kdr_read_assimp knows the name's ending. False where the library was built without it. */
 bool kdr_read_assimp_knows(const kdr_source *source);
+bool kdr_read_assimp_is_built(void);
 
 /* Content that a reader can be sure of. */
 bool kdr_source_is_ply(const kdr_source *source);

@@ -4,8 +4,8 @@
  * whose triangle with both neighbours lies inside; cut off, they leave a simple polygon.
  *
  * The polygon is projected along the largest component of its normal (Newell's sum over the edges, which minds no
- * slight unevenness), mirrored to turn counter-clockwise. A corner is an ear if it turns left and no corner that turns right
- * lies in its triangle. Invariant: `next` links the corners that are left in their order.
+ * slight unevenness), mirrored to turn counter-clockwise. A corner is an ear if it turns left and no corner that turns
+ * right lies in its triangle. Invariant: `next` links the corners that are left in their order.
  * Cost: one pass for convex polygons, at worst the cube of the corners, of which there are at most KDR_EAR_CORNERS. */
 #include "mesh/triangulate.h"
 
