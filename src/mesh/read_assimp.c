@@ -173,7 +173,7 @@ static kdr_status place_mesh(import *in, unsigned number, const float transform[
     if (status != KDR_OK)
         return kdr_source_fail_status(in->source, status);
     place_vertices(in, from, transform, first);
-    uint32_t material;
+    uint32_t material = 0;
     status = find_material(in, from->mMaterialIndex, &material);
     return status == KDR_OK ? place_triangles(in, from, transform, first, material) : status;
 }

@@ -1,9 +1,9 @@
 /* STL files, binary and ascii.
  *
  * Source: 3D Systems, "StereoLithography Interface Specification", 1988. Binary: 80 bytes of text, a count, then 50
- * bytes a triangle: normal, three vertices, two bytes of attributes. Ascii: facets of three vertices between `solid` and
- * `endsolid`. The normals are those of the triangles themselves and are not kept. Binary files that begin with "solid"
- * exist: the count and the length of the file decide, and only then the words.
+ * bytes a triangle: normal, three vertices, two bytes of attributes. Ascii: facets of three vertices between `solid`
+ * and `endsolid`. The normals are those of the triangles themselves and are not kept. Binary files that begin with
+ * "solid" exist: the count and the length of the file decide, and only then the words.
  *
  * Vertices that are equal bit for bit become one: the file repeats each about six times. */
 #include "mesh/merge.h"
