@@ -29,7 +29,7 @@ kdr_status kdr_ply_check_room(const kdr_ply_body *body, const kdr_ply_element *e
     size_t room = is_ascii ? left + 1 : left; // the last number needs no separator
     if (row == 0 || element->count <= room / row)
         return KDR_OK;
-    return kdr_ply_fail(body, "expected %llu rows of '%.*s', %zu bytes or more each; the file ends after %zu bytes",
+    return kdr_ply_fail(body, "expected %llu rows of '%.*s', %zu bytes or more each; %zu bytes are left of the file",
                         (unsigned long long)element->count, print_length(element->name), element->name.start,
                         is_ascii ? row - 1 : row, left);
 }
@@ -123,7 +123,7 @@ kdr_status kdr_ply_read_count(kdr_ply_body *body, const kdr_ply_property *list, 
     if (!is_whole)
         return kdr_ply_fail(&before, "expected the count of a list, found %g", count);
     if (count > most)
-        return kdr_ply_fail(&before, "expected a list of %.0f values, the file ends after %zu bytes", count,
+        return kdr_ply_fail(&before, "expected a list of %.0f values, %zu bytes are left of the file", count,
                             kdr_ply_bytes_left(body));
     *out = (size_t)count;
     return KDR_OK;

@@ -13,6 +13,13 @@
 
 const char *const kdr_obj_kind_names[KDR_OBJ_KINDS] = {"vertex", "texture vertex", "normal"};
 
+/* The first line, after a byte order mark if there is one. */
+static kdr_text begin_text(const kdr_source *source, size_t length) {
+    const char *start = (const char *)source->bytes;
+    bool has_mark = length >= 3 && memcmp(start, "\xef\xbb\xbf", 3) == 0;
+    return (kdr_text){has_mark ? start + 3 : start, start + length, 1, true};
+}
+
 static kdr_status read_floats(kdr_obj *obj, float out[3], const char *what) {
     for (int axis = 0; axis < 3; axis++) {
         double value;
@@ -151,8 +158,7 @@ static void release(kdr_obj *obj) {
 
 kdr_status kdr_read_obj(const kdr_source *source, kdr_mesh **out) {
     *out = NULL;
-    const char *text = (const char *)source->bytes;
-    kdr_obj obj = {.source = source, .text = {text, text + source->length, 1, true}, .material = KDR_INVALID_ID};
+    kdr_obj obj = {.source = source, .text = begin_text(source, source->length), .material = KDR_INVALID_ID};
     kdr_status status = kdr_mesh_create(0, 0, 0, "OBJ", &obj.mesh);
     if (status != KDR_OK)
         return kdr_source_fail_status(source, status);
@@ -174,9 +180,7 @@ kdr_status kdr_read_obj(const kdr_source *source, kdr_mesh **out) {
 }
 
 bool kdr_source_looks_like_obj(const kdr_source *source) {
-    const char *start = (const char *)source->bytes;
-    size_t length = source->length < 4096 ? source->length : 4096;
-    kdr_text text = {start, start + length, 1, true};
+    kdr_text text = begin_text(source, source->length < 4096 ? source->length : 4096);
     while (kdr_text_skip_blank_lines(&text)) {
         kdr_word word = kdr_text_take_word(&text);
         double unused;
