@@ -98,7 +98,8 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
                      .cost_intersection = def.cost_intersection,
                      .leaf_limit = def.leaf_limit,
                      .depth_limit = def.depth_limit,
-                     .reference_limit = def.reference_limit};
+                     .reference_limit = def.reference_limit,
+                     .wide = device->traversals->wants_wide};
     kdr_tree tree;
     kdr_source_counts counts;
     status = kdr_build(device->workshop, &device->crew, device->isa, &source, &plan, &tree, &counts);

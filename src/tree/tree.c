@@ -35,5 +35,6 @@ bool kdr_tree_init_empty(kdr_tree *tree, kdr_alloc *alloc) {
 void kdr_tree_release(kdr_tree *tree, kdr_alloc *alloc) {
     kdr_alloc_release(alloc, tree->nodes, tree->node_bytes);
     kdr_alloc_release(alloc, tree->blocks, tree->block_bytes);
+    kdr_alloc_release(alloc, tree->wide, tree->wide_bytes);
     *tree = (kdr_tree){.bounds = kdr_box_empty()};
 }

@@ -16,7 +16,8 @@ typedef struct kdr_tree {
     uint64_t dropped_count, degenerate_count;
     float cost_traversal, cost_intersection;
     uint32_t depth_limit;
-    size_t node_bytes, block_bytes; /* allocated */
+    struct kdr_wide_node *wide; /* see wide.h; NULL: not asked for, or the root is a leaf */
+    size_t node_bytes, block_bytes, wide_bytes; /* allocated */
 } kdr_tree;
 
 /* A tree of one empty leaf. False when there is no memory. */
