@@ -147,7 +147,8 @@ KDR_API size_t kdr_device_peak_bytes(const kdr_device *device);
 KDR_API void kdr_device_trim(kdr_device *device);
 
 /* Runs task(context, i) for i in [0, count) on the device's workers and returns when all are done: the device's
- * threads lent back to the caller, for tracing or shading. count may exceed the worker count. Not from inside a task. */
+ * threads lent back to the caller, for tracing or shading. count may exceed the worker count. Never call it from
+ * inside a task. */
 KDR_API void kdr_device_run(kdr_device *device, kdr_task_fn *task, void *context, uint32_t count);
 
 /* ----------------------------------------------------------------------------------------------------- scene */
@@ -200,13 +201,14 @@ typedef struct kdr_build_def {
 KDR_API kdr_build_def kdr_default_build_def(void);
 
 /* Builds the tree over all triangles; def NULL means the defaults. Blocks until done; the device's workers help.
- * Triangles with a vertex that is not finite are left out and counted in the statistics.
+ * Triangles with a vertex that is not finite and triangles of exactly zero area, which no ray can hit, are left out and
+ * counted in the statistics.
  * On failure the old tree stays in force. The tree depends on the triangles and the def alone, never on the number of
  * workers or the instruction set. Errors: INVALID_ARGUMENT (def), INVALID_DATA (a vertex number out of range),
  * LIMIT (2^30 triangles), OUT_OF_MEMORY. */
 KDR_API kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *def);
 
-/* Smallest box around the committed triangles, {min x, y, z, max x, y, z}; min > max on every axis if there are none. */
+/* Smallest box around the committed triangles, {min x, y, z, max x, y, z}; min > max on every axis if there is none. */
 KDR_API void kdr_scene_bounds(const kdr_scene *scene, float bounds[6]);
 
 #define KDR_HISTOGRAM_SIZE 64
@@ -214,7 +216,7 @@ KDR_API void kdr_scene_bounds(const kdr_scene *scene, float bounds[6]);
 typedef struct kdr_tree_stats {
     uint64_t triangle_count;    /* in the tree */
     uint64_t dropped_count;     /* left out: a vertex is NaN or infinite */
-    uint64_t degenerate_count;  /* of triangle_count: exactly zero area, no ray can hit them */
+    uint64_t degenerate_count;  /* left out: exactly zero area, no ray can hit them */
     uint64_t interior_count;
     uint64_t leaf_count;        /* with empty ones */
     uint64_t empty_leaf_count;

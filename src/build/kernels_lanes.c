@@ -1,0 +1,205 @@
+/* Inner loops of the builder over KDR_LANES references at a time: counting and dividing at a plane, and the exact
+ * surface area heuristic of small nodes by bit masks. */
+#include "build/kernels.h"
+
+#include "geometry/lanes.h"
+
+/* Which of the lanes go left and right. A primitive on both sides of the plane goes both ways; one that only touches it
+ * goes one way; one that lies in it goes where the split says. */
+KDR_LANES_INLINE void sides(kdr_lanes_f lo, kdr_lanes_f hi, const kdr_split *split, kdr_lane_bits valid,
+                            kdr_lane_bits *left, kdr_lane_bits *right) {
+    kdr_lanes_f plane = kdr_lanes_all(split->plane);
+    kdr_lane_bits below = kdr_lanes_less(lo, plane), above = kdr_lanes_less(plane, hi);
+    kdr_lane_bits flat = ~(below | above);
+    *left = (below | (split->flat_left ? flat : 0)) & valid;
+    *right = (above | (split->flat_left ? 0 : flat)) & valid;
+}
+
+static void count(const kdr_references *from, uint32_t begin, uint32_t end, const kdr_split *split, uint32_t *left,
+                  uint32_t *right) {
+    const float *lo = from->lo[split->axis], *hi = from->hi[split->axis];
+    uint32_t n_left = 0, n_right = 0, i = begin;
+    kdr_lane_bits l, r;
+    for (; i + KDR_LANES <= end; i += KDR_LANES) {
+        sides(kdr_lanes_load(lo + i), kdr_lanes_load(hi + i), split, KDR_LANE_BITS_ALL, &l, &r);
+        n_left += (uint32_t)__builtin_popcount(l);
+        n_right += (uint32_t)__builtin_popcount(r);
+    }
+    for (; i < end; i++) {
+        bool flat = !(lo[i] < split->plane) && !(hi[i] > split->plane);
+        n_left += lo[i] < split->plane || (flat && split->flat_left);
+        n_right += hi[i] > split->plane || (flat && !split->flat_left);
+    }
+    *left = n_left;
+    *right = n_right;
+}
+
+/* Bounds of one side, a vector for each face of the box. */
+typedef struct bounds {
+    kdr_lanes_f lo[3], hi[3];
+} bounds;
+
+KDR_LANES_INLINE void bounds_clear(bounds *b) {
+    for (int k = 0; k < 3; k++) {
+        b->lo[k] = kdr_lanes_all(INFINITY);
+        b->hi[k] = kdr_lanes_all(-INFINITY);
+    }
+}
+
+KDR_LANES_INLINE void bounds_to_box(const bounds *b, kdr_box *box) {
+    for (int k = 0; k < 3; k++) {
+        float lo = kdr_lanes_least(b->lo[k]), hi = kdr_lanes_most(b->hi[k]);
+        box->lo[k] = lo < box->lo[k] ? lo : box->lo[k];
+        box->hi[k] = hi > box->hi[k] ? hi : box->hi[k];
+    }
+}
+
+KDR_LANES_INLINE void append(const kdr_references *to, uint32_t at, kdr_lane_bits bits, const kdr_lanes_f lo[3],
+                             const kdr_lanes_f hi[3], kdr_lanes_u primitive, bounds *b) {
+    const kdr_lanes_f most = kdr_lanes_all(INFINITY), least = kdr_lanes_all(-INFINITY);
+    for (int k = 0; k < 3; k++) {
+        kdr_lanes_compress(to->lo[k] + at, bits, lo[k]);
+        kdr_lanes_compress(to->hi[k] + at, bits, hi[k]);
+        b->lo[k] = kdr_lanes_min(b->lo[k], kdr_lanes_choose(bits, lo[k], most));
+        b->hi[k] = kdr_lanes_max(b->hi[k], kdr_lanes_choose(bits, hi[k], least));
+    }
+    kdr_lanes_compress_u(to->primitive + at, bits, primitive);
+}
+
+static void divide(const kdr_references *from, uint32_t begin, uint32_t end, const kdr_split *split,
+                   const kdr_references *left, uint32_t left_at, const kdr_references *right, uint32_t right_at,
+                   kdr_box *left_box, kdr_box *right_box) {
+    const uint32_t axis = split->axis;
+    const kdr_lanes_f plane = kdr_lanes_all(split->plane);
+    bounds left_bounds, right_bounds;
+    bounds_clear(&left_bounds);
+    bounds_clear(&right_bounds);
+    for (uint32_t i = begin; i < end; i += KDR_LANES) {
+        /* Load a vector; behind the end its lanes are copies that no bit selects. */
+        kdr_lanes_f lo[3], hi[3];
+        kdr_lanes_u primitive;
+        kdr_lane_bits valid = kdr_lanes_first(end - i), l, r;
+        if (__builtin_expect(end - i >= KDR_LANES, 1)) {
+            for (int k = 0; k < 3; k++) {
+                lo[k] = kdr_lanes_load(from->lo[k] + i);
+                hi[k] = kdr_lanes_load(from->hi[k] + i);
+            }
+            primitive = kdr_lanes_load_u(from->primitive + i);
+        } else {
+            float rest[6][KDR_LANES];
+            uint32_t rest_primitive[KDR_LANES];
+            for (uint32_t j = 0; j < KDR_LANES; j++) {
+                uint32_t source = i + j < end ? i + j : i;
+                for (int k = 0; k < 3; k++) {
+                    rest[k][j] = from->lo[k][source];
+                    rest[3 + k][j] = from->hi[k][source];
+                }
+                rest_primitive[j] = from->primitive[source];
+            }
+            for (int k = 0; k < 3; k++) {
+                lo[k] = kdr_lanes_load(rest[k]);
+                hi[k] = kdr_lanes_load(rest[3 + k]);
+            }
+            primitive = kdr_lanes_load_u(rest_primitive);
+        }
+
+        /* Send each lane left, right or both ways, clipped to the plane. */
+        sides(lo[axis], hi[axis], split, valid, &l, &r);
+        if (l) {
+            kdr_lanes_f whole = hi[axis];
+            hi[axis] = kdr_lanes_min(whole, plane);
+            append(left, left_at, l, lo, hi, primitive, &left_bounds);
+            left_at += (uint32_t)__builtin_popcount(l);
+            hi[axis] = whole;
+        }
+        if (r) {
+            lo[axis] = kdr_lanes_max(lo[axis], plane);
+            append(right, right_at, r, lo, hi, primitive, &right_bounds);
+            right_at += (uint32_t)__builtin_popcount(r);
+        }
+    }
+    bounds_to_box(&left_bounds, left_box);
+    bounds_to_box(&right_bounds, right_box);
+}
+
+static void masks(const kdr_references *references, kdr_mask_table *table) {
+    /* Pad the boxes to whole vectors with copies of the first one: same planes, and bits that no set contains. */
+    uint32_t n = references->count, padded = (2 * n + 15) / 16 * 16;
+    table->count = padded;
+    for (int k = 0; k < 3; k++) {
+        float lo[KDR_MASK_LIMIT], hi[KDR_MASK_LIMIT];
+        for (uint32_t i = 0; i < KDR_MASK_LIMIT; i++) {
+            lo[i] = references->lo[k][i < n ? i : 0];
+            hi[i] = references->hi[k][i < n ? i : 0];
+        }
+        for (uint32_t p = 0; p < padded; p++) {
+            float at = p < n ? lo[p] : p < 2 * n ? hi[p - n] : NAN;
+            kdr_lanes_f plane = kdr_lanes_all(at);
+            uint32_t below = 0, above = 0;
+            for (uint32_t i = 0; i < KDR_MASK_LIMIT; i += KDR_LANES) {
+                below |= kdr_lanes_less(kdr_lanes_load(lo + i), plane) << i;
+                above |= kdr_lanes_less(plane, kdr_lanes_load(hi + i)) << i;
+            }
+            /* A plane through a begin sends what lies in it right, one through an end sends it left. */
+            uint32_t flat = ~(below | above);
+            table->plane[k][p] = at;
+            table->left[k][p] = p < n ? below : below | flat;
+            table->right[k][p] = p < n ? above | flat : above;
+        }
+    }
+}
+
+/* Set bits of each lane. */
+KDR_LANES_INLINE kdr_lanes_f population(kdr_lanes_u x) {
+    x = x - ((x >> 1) & 0x55555555u);
+    x = (x & 0x33333333u) + ((x >> 2) & 0x33333333u);
+    x = (x + (x >> 4)) & 0x0f0f0f0fu;
+    x = (x * 0x01010101u) >> 24;
+    return __builtin_convertvector((kdr_lanes_i)x, kdr_lanes_f);
+}
+
+static kdr_split choose_masked(const kdr_mask_table *table, uint32_t set, const kdr_box *cell, const kdr_plan *plan,
+                               uint32_t *left, uint32_t *right) {
+    kdr_shares shares = kdr_shares_of(cell);
+    kdr_split best = {.cost = INFINITY};
+    uint32_t best_index = 0;
+    for (uint32_t k = 0; k < 3; k++) {
+        const kdr_lanes_f lo = kdr_lanes_all(cell->lo[k]), hi = kdr_lanes_all(cell->hi[k]);
+        const float face = (float)(shares.face[k] * shares.inverse_area) * plan->cost_intersection;
+        const float rim = (float)(shares.rim[k] * shares.inverse_area) * plan->cost_intersection;
+        for (uint32_t p = 0; p < table->count; p += KDR_LANES) {
+            /* cost = traversal + sum over both sides of (face + rim x extent) x primitives */
+            kdr_lanes_f plane = kdr_lanes_load(table->plane[k] + p);
+            kdr_lanes_f n_left = population(kdr_lanes_load_u(table->left[k] + p) & set);
+            kdr_lanes_f n_right = population(kdr_lanes_load_u(table->right[k] + p) & set);
+            kdr_lanes_f cost = (face + rim * (plane - lo)) * n_left + (face + rim * (hi - plane)) * n_right;
+            kdr_lane_bits inside = kdr_lanes_less(lo, plane) & kdr_lanes_less(plane, hi);
+            kdr_lane_bits better = inside & kdr_lanes_less(cost, kdr_lanes_all(best.cost));
+            if (!better)
+                continue;
+
+            /* Take the first of the cheapest, so that the width of lanes does not show. */
+            float costs[KDR_LANES];
+            kdr_lanes_store(costs, cost);
+            for (; better; better &= better - 1) {
+                uint32_t lane = (uint32_t)__builtin_ctz(better);
+                if (costs[lane] < best.cost) {
+                    best.cost = costs[lane];
+                    best.axis = k;
+                    best_index = p + lane;
+                }
+            }
+        }
+    }
+    if (best.cost < INFINITY) {
+        best.plane = table->plane[best.axis][best_index];
+        best.cost += plan->cost_traversal;
+        *left = table->left[best.axis][best_index] & set;
+        *right = table->right[best.axis][best_index] & set;
+    }
+    return best;
+}
+
+extern const kdr_build_kernels KDR_LANES_SYMBOL(kdr_build_kernels);
+const kdr_build_kernels KDR_LANES_SYMBOL(kdr_build_kernels) = {
+    .count = count, .divide = divide, .masks = masks, .choose_masked = choose_masked};

@@ -1,0 +1,53 @@
+/* Where a node is cut, and what the cut is worth. */
+#ifndef KDR_BUILD_SPLIT_H
+#define KDR_BUILD_SPLIT_H
+
+#include "build/references.h"
+
+#include <stdbool.h>
+
+typedef struct kdr_split {
+    uint32_t axis;
+    float plane;
+    bool flat_left; /* primitives that lie in the plane go left; otherwise right */
+    float cost;     /* by the surface area heuristic; infinite: there is no plane */
+} kdr_split;
+
+/* Constants of the heuristic, and limits. */
+typedef struct kdr_plan {
+    float cost_traversal, cost_intersection;
+    uint32_t leaf_limit, depth_limit;
+    float reference_limit;
+} kdr_plan;
+
+static inline float kdr_plan_leaf_cost(const kdr_plan *plan, uint32_t count) {
+    return plan->cost_intersection * (float)count;
+}
+
+/* Halves of areas of the two parts of a cell cut at a plane, as fractions of the cell's. */
+typedef struct kdr_shares {
+    double inverse_area; /* of the cell; 0 if the cell has no area */
+    double face[3];      /* area of the face across each axis */
+    double rim[3];       /* half its circumference */
+} kdr_shares;
+
+static inline kdr_shares kdr_shares_of(const kdr_box *cell) {
+    double d[3];
+    for (int k = 0; k < 3; k++)
+        d[k] = (double)cell->hi[k] - cell->lo[k];
+    double area = d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
+    kdr_shares s = {.inverse_area = area > 0 ? 1 / area : 0};
+    for (int k = 0; k < 3; k++) {
+        double a = d[(k + 1) % 3], b = d[(k + 2) % 3];
+        s.face[k] = a * b;
+        s.rim[k] = a + b;
+    }
+    return s;
+}
+
+/* Fraction of the cell's area that a part of the given extent on the axis has. */
+static inline double kdr_share(const kdr_shares *s, uint32_t axis, double extent) {
+    return (s->face[axis] + s->rim[axis] * extent) * s->inverse_area;
+}
+
+#endif

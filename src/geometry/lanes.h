@@ -1,0 +1,84 @@
+/* Vectors of KDR_LANES floats: types, and the words that C cannot say.
+ *
+ * Only files named *_lanes.c and headers for them include this; each is compiled once per instruction set with KDR_LANES
+ * and KDR_ISA_NAME defined. Arithmetic, comparison and bit operators are those of GCC vector extensions; a comparison
+ * gives a kdr_lanes_i of 0 and -1. Everything is static: no vector crosses a file. */
+#ifndef KDR_GEOMETRY_LANES_H
+#define KDR_GEOMETRY_LANES_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifndef KDR_LANES
+#error "KDR_LANES is set by the build for files named *_lanes.c"
+#endif
+
+#define KDR_LANES_PASTE_(a, b) a##_##b
+#define KDR_LANES_PASTE(a, b) KDR_LANES_PASTE_(a, b)
+/* The one exported name of a lanes file: base_sse42, base_avx2 ... */
+#define KDR_LANES_SYMBOL(base) KDR_LANES_PASTE(base, KDR_ISA_NAME)
+
+#define KDR_LANES_INLINE static inline __attribute__((always_inline, unused))
+
+typedef float kdr_lanes_f __attribute__((vector_size(4 * KDR_LANES)));
+typedef int32_t kdr_lanes_i __attribute__((vector_size(4 * KDR_LANES)));
+typedef uint32_t kdr_lanes_u __attribute__((vector_size(4 * KDR_LANES)));
+
+/* One bit a lane, lane 0 lowest. */
+typedef uint32_t kdr_lane_bits;
+#define KDR_LANE_BITS_ALL ((kdr_lane_bits)(((uint64_t)1 << KDR_LANES) - 1))
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_load(const float *from) {
+    kdr_lanes_f v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+
+KDR_LANES_INLINE kdr_lanes_u kdr_lanes_load_u(const uint32_t *from) {
+    kdr_lanes_u v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+
+KDR_LANES_INLINE void kdr_lanes_store(float *to, kdr_lanes_f v) {
+    memcpy(to, &v, sizeof v);
+}
+
+KDR_LANES_INLINE void kdr_lanes_store_u(uint32_t *to, kdr_lanes_u v) {
+    memcpy(to, &v, sizeof v);
+}
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_all(float x) {
+    return x - (kdr_lanes_f){0};
+}
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_abs(kdr_lanes_f v) {
+    return (kdr_lanes_f)((kdr_lanes_u)v & 0x7fffffffu);
+}
+
+#if defined(__x86_64__) && KDR_LANES > 1
+#include "geometry/lanes_x86.h"
+#else
+#include "geometry/lanes_plain.h"
+#endif
+
+/* The first `count` lanes; count may exceed the width. */
+KDR_LANES_INLINE kdr_lane_bits kdr_lanes_first(uint32_t count) {
+    return count >= KDR_LANES ? KDR_LANE_BITS_ALL : (kdr_lane_bits)((1u << count) - 1);
+}
+
+KDR_LANES_INLINE float kdr_lanes_least(kdr_lanes_f v) {
+    float x[KDR_LANES];
+    kdr_lanes_store(x, v);
+    float least = x[0];
+    for (int i = 1; i < KDR_LANES; i++)
+        least = x[i] < least ? x[i] : least;
+    return least;
+}
+
+KDR_LANES_INLINE float kdr_lanes_most(kdr_lanes_f v) {
+    return -kdr_lanes_least(-v);
+}
+
+#endif

@@ -1,0 +1,133 @@
+/* The words of lanes.h for SSE4.2 (4 lanes), AVX2 (8) and AVX-512 (16). Meanings as in lanes_plain.h. */
+#ifndef KDR_GEOMETRY_LANES_X86_H
+#define KDR_GEOMETRY_LANES_X86_H
+
+#include <immintrin.h>
+
+#if KDR_LANES == 16
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) {
+    return _mm512_min_ps(a, b);
+}
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) {
+    return _mm512_max_ps(a, b);
+}
+
+KDR_LANES_INLINE kdr_lane_bits kdr_lanes_bits(kdr_lanes_i comparison) {
+    return _mm512_movepi32_mask((__m512i)comparison);
+}
+
+KDR_LANES_INLINE kdr_lane_bits kdr_lanes_less(kdr_lanes_f a, kdr_lanes_f b) {
+    return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ);
+}
+
+KDR_LANES_INLINE kdr_lane_bits kdr_lanes_equal(kdr_lanes_f a, kdr_lanes_f b) {
+    return _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ);
+}
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_choose(kdr_lane_bits bits, kdr_lanes_f a, kdr_lanes_f b) {
+    return _mm512_mask_blend_ps((__mmask16)bits, b, a);
+}
+
+/* Compressed in a register and stored under a mask: the compressing store itself is slow on some machines. */
+KDR_LANES_INLINE void kdr_lanes_compress(float *to, kdr_lane_bits bits, kdr_lanes_f v) {
+    __mmask16 first = (__mmask16)_bzhi_u32(0xffffu, (uint32_t)__builtin_popcount(bits));
+    _mm512_mask_storeu_ps(to, first, _mm512_maskz_compress_ps((__mmask16)bits, v));
+}
+
+KDR_LANES_INLINE void kdr_lanes_compress_u(uint32_t *to, kdr_lane_bits bits, kdr_lanes_u v) {
+    __mmask16 first = (__mmask16)_bzhi_u32(0xffffu, (uint32_t)__builtin_popcount(bits));
+    _mm512_mask_storeu_epi32(to, first, _mm512_maskz_compress_epi32((__mmask16)bits, (__m512i)v));
+}
+
+#elif KDR_LANES == 8
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) {
+    return _mm256_min_ps(a, b);
+}
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) {
+    return _mm256_max_ps(a, b);
+}
+
+KDR_LANES_INLINE kdr_lane_bits kdr_lanes_bits(kdr_lanes_i comparison) {
+    return (kdr_lane_bits)_mm256_movemask_ps((__m256)comparison);
+}
+
+KDR_LANES_INLINE kdr_lane_bits kdr_lanes_less(kdr_lanes_f a, kdr_lanes_f b) {
+    return (kdr_lane_bits)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LT_OQ));
+}
+
+KDR_LANES_INLINE kdr_lane_bits kdr_lanes_equal(kdr_lanes_f a, kdr_lanes_f b) {
+    return (kdr_lane_bits)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_EQ_OQ));
+}
+
+/* -1 in the lanes whose bit is set. */
+KDR_LANES_INLINE __m256i kdr_lanes_spread(kdr_lane_bits bits) {
+    __m256i place = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    return _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32((int)bits), place), place);
+}
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_choose(kdr_lane_bits bits, kdr_lanes_f a, kdr_lanes_f b) {
+    return _mm256_blendv_ps(b, a, _mm256_castsi256_ps(kdr_lanes_spread(bits)));
+}
+
+/* Lane numbers of the set bits, packed low: parallel extract of bytes, widened. */
+KDR_LANES_INLINE __m256i kdr_lanes_pack_order(kdr_lane_bits bits) {
+    uint64_t bytes = _pdep_u64(bits, 0x0101010101010101u) * 0xffu;
+    uint64_t order = _pext_u64(0x0706050403020100u, bytes);
+    return _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)order));
+}
+
+KDR_LANES_INLINE void kdr_lanes_compress_u(uint32_t *to, kdr_lane_bits bits, kdr_lanes_u v) {
+    __m256i packed = _mm256_permutevar8x32_epi32((__m256i)v, kdr_lanes_pack_order(bits));
+    __m256i first = kdr_lanes_spread((1u << __builtin_popcount(bits)) - 1);
+    _mm256_maskstore_epi32((int *)to, first, packed);
+}
+
+KDR_LANES_INLINE void kdr_lanes_compress(float *to, kdr_lane_bits bits, kdr_lanes_f v) {
+    kdr_lanes_compress_u((uint32_t *)to, bits, (kdr_lanes_u)v);
+}
+
+#elif KDR_LANES == 4
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) {
+    return _mm_min_ps(a, b);
+}
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) {
+    return _mm_max_ps(a, b);
+}
+
+KDR_LANES_INLINE kdr_lane_bits kdr_lanes_bits(kdr_lanes_i comparison) {
+    return (kdr_lane_bits)_mm_movemask_ps((__m128)comparison);
+}
+
+KDR_LANES_INLINE kdr_lane_bits kdr_lanes_less(kdr_lanes_f a, kdr_lanes_f b) {
+    return (kdr_lane_bits)_mm_movemask_ps(_mm_cmplt_ps(a, b));
+}
+
+KDR_LANES_INLINE kdr_lane_bits kdr_lanes_equal(kdr_lanes_f a, kdr_lanes_f b) {
+    return (kdr_lane_bits)_mm_movemask_ps(_mm_cmpeq_ps(a, b));
+}
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_choose(kdr_lane_bits bits, kdr_lanes_f a, kdr_lanes_f b) {
+    __m128i place = _mm_setr_epi32(1, 2, 4, 8);
+    __m128i spread = _mm_cmpeq_epi32(_mm_and_si128(_mm_set1_epi32((int)bits), place), place);
+    return _mm_blendv_ps(b, a, _mm_castsi128_ps(spread));
+}
+
+KDR_LANES_INLINE void kdr_lanes_compress_u(uint32_t *to, kdr_lane_bits bits, kdr_lanes_u v) {
+    for (; bits; bits &= bits - 1)
+        *to++ = v[__builtin_ctz(bits)];
+}
+
+KDR_LANES_INLINE void kdr_lanes_compress(float *to, kdr_lane_bits bits, kdr_lanes_f v) {
+    for (; bits; bits &= bits - 1)
+        *to++ = v[__builtin_ctz(bits)];
+}
+
+#endif
+
+#endif

@@ -1,0 +1,82 @@
+/* Stack traversal of one ray, closest hit and any hit, over leaves of SIMD blocks (SPEC T1).
+ *
+ * Source: M. Pharr, G. Humphreys, "Physically Based Rendering", 2004, for the iterative form; intervals and leaves are
+ * our own: see step.h and block_lanes.h.
+ * Both searches are one inlined body with a constant argument. */
+#include "trace/trace.h"
+
+#include "tree/block_lanes.h"
+
+#define REAL float
+#define EPSILON 0x1p-24f
+#define LARGEST 0x1p100f
+#define STEP(name) float_##name
+#include "trace/step.h"
+#include "trace/stack_body.h"
+#undef REAL
+#undef EPSILON
+#undef LARGEST
+#undef STEP
+
+#define REAL double
+#define EPSILON 0x1p-53
+#define LARGEST 0x1p400
+#define STEP(name) double_##name
+#include "trace/step.h"
+#include "trace/stack_body.h"
+#undef REAL
+#undef EPSILON
+#undef LARGEST
+#undef STEP
+
+/* A ray outside the range of float intervals: rare, so its code is kept apart. */
+static __attribute__((noinline)) bool walk_wide(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray,
+                                                const kdr_ray_frame *f, bool any, kdr_closest *closest) {
+    double_ray r;
+    bool holds;
+    if (!double_begin(&r, ray, &entry->box, &holds))
+        return false;
+    if (any)
+        return double_walk(tree, entry->node, &r, f, ray->tmin, ray->tmax, true, closest);
+    return double_walk(tree, entry->node, &r, f, ray->tmin, ray->tmax, false, closest);
+}
+
+static inline __attribute__((always_inline)) bool search(const kdr_tree *tree, const kdr_entry *entry,
+                                                         const kdr_ray *ray, const bool any, kdr_closest *closest) {
+    if (!kdr_ray_is_valid(ray) || kdr_box_is_empty(&entry->box))
+        return false;
+    float_ray r;
+    bool holds;
+    if (!float_begin(&r, ray, &entry->box, &holds) && holds)
+        return false;
+    kdr_ray_frame f = kdr_ray_frame_of(ray, &tree->bounds);
+    if (__builtin_expect(!holds, 0))
+        return walk_wide(tree, entry, ray, &f, any, closest);
+    return float_walk(tree, entry->node, &r, &f, ray->tmin, ray->tmax, any, closest);
+}
+
+static bool stack_closest(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray, kdr_found *found) {
+    kdr_closest closest = {.t = ray->tmax, .primitive = UINT32_MAX};
+    if (!search(tree, entry, ray, false, &closest))
+        return false;
+
+    /* Normal from the triangle's own vertices. */
+    const float *a = closest.vertices[0], *b = closest.vertices[1], *c = closest.vertices[2];
+    float e[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, g[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    found->normal[0] = e[1] * g[2] - e[2] * g[1];
+    found->normal[1] = e[2] * g[0] - e[0] * g[2];
+    found->normal[2] = e[0] * g[1] - e[1] * g[0];
+    found->t = closest.t;
+    found->u = closest.u;
+    found->v = closest.v;
+    found->primitive = closest.primitive;
+    return true;
+}
+
+static bool stack_any(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray) {
+    kdr_closest closest = {.primitive = UINT32_MAX};
+    return search(tree, entry, ray, true, &closest);
+}
+
+extern const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals);
+const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals) = {.stack_closest = stack_closest, .stack_any = stack_any};

@@ -1,0 +1,34 @@
+/* Traversals as a table of functions, one table for each instruction set. */
+#ifndef KDR_TRACE_TRACE_H
+#define KDR_TRACE_TRACE_H
+
+#include "kdray/kdray.h"
+#include "tree/tree.h"
+
+/* Where a traversal starts. The root's entry is {0, bounds}; a beam may find a deeper one. */
+typedef struct kdr_entry {
+    uint32_t node;
+    kdr_box box; /* of the node's cell */
+} kdr_entry;
+
+/* What a closest-hit traversal found. */
+typedef struct kdr_found {
+    float t, u, v;
+    float normal[3];
+    uint32_t primitive; /* UINT32_MAX: nothing */
+} kdr_found;
+
+typedef struct kdr_traversals {
+    /* True, and *found filled in, if the ray hits something. */
+    bool (*stack_closest)(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray, kdr_found *found);
+    bool (*stack_any)(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray);
+} kdr_traversals;
+
+/* The table for an instruction set that this machine has. */
+const kdr_traversals *kdr_traversals_for(kdr_isa isa);
+
+static inline kdr_entry kdr_entry_root(const kdr_tree *tree) {
+    return (kdr_entry){0, tree->bounds};
+}
+
+#endif

@@ -1,0 +1,65 @@
+/* What a leaf holds: one block of triangles in structure-of-arrays form, as long as the leaf, rounded up to groups of 4.
+ *
+ *   row         0    1    2    3    4    5    6    7    8    9
+ *   each p long a.x  a.y  a.z  b.x  b.y  b.z  c.x  c.y  c.z  primitive        p = 4 x groups
+ *
+ * One layout serves every width of lanes: a leaf of n triangles is met in ceil(n / lanes) steps, the last one under a
+ * mask, and wastes at most three lanes of memory (40 bytes each). A leaf's first item is the number of its first group.
+ * Reads of a full vector may run past the last block: 60 bytes behind it are readable.
+ *
+ * Only this header and block_lanes.h know this. Builders say which primitives a leaf has; traversals ask
+ * kdr_block_closest and kdr_block_any. */
+#ifndef KDR_TREE_BLOCK_H
+#define KDR_TREE_BLOCK_H
+
+#include "tree/node.h"
+
+#include <stddef.h>
+
+#define KDR_BLOCK_GROUP 4
+#define KDR_BLOCK_ROWS 10
+#define KDR_BLOCK_GROUP_BYTES (KDR_BLOCK_GROUP * KDR_BLOCK_ROWS * sizeof(float))
+#define KDR_BLOCK_TAIL_BYTES 64
+
+/* Groups that a leaf of `count` triangles takes. */
+static inline uint32_t kdr_block_groups(uint32_t count) {
+    return (uint32_t)(((uint64_t)count + KDR_BLOCK_GROUP - 1) / KDR_BLOCK_GROUP);
+}
+
+static inline const float *kdr_block_row(const float *blocks, kdr_node leaf, uint32_t row) {
+    size_t length = (size_t)kdr_block_groups(kdr_node_count(leaf)) * KDR_BLOCK_GROUP;
+    size_t first = (size_t)kdr_node_first(leaf) * (KDR_BLOCK_GROUP_BYTES / sizeof(float));
+    return blocks + first + row * length;
+}
+
+static inline uint32_t kdr_block_primitive(const float *blocks, kdr_node leaf, uint32_t i) {
+    uint32_t primitive;
+    memcpy(&primitive, kdr_block_row(blocks, leaf, 9) + i, sizeof primitive);
+    return primitive;
+}
+
+/* Vertices of triangle i of a leaf. */
+static inline void kdr_block_triangle(const float *blocks, kdr_node leaf, uint32_t i, float vertices[3][3]) {
+    for (uint32_t row = 0; row < 9; row++)
+        vertices[row / 3][row % 3] = kdr_block_row(blocks, leaf, row)[i];
+}
+
+/* Sets triangle i of a leaf's block. */
+static inline void kdr_block_set(float *blocks, kdr_node leaf, uint32_t i, const float vertices[3][3],
+                                 uint32_t primitive) {
+    size_t length = (size_t)kdr_block_groups(kdr_node_count(leaf)) * KDR_BLOCK_GROUP;
+    float *at = blocks + (size_t)kdr_node_first(leaf) * (KDR_BLOCK_GROUP_BYTES / sizeof(float)) + i;
+    for (uint32_t row = 0; row < 9; row++)
+        at[row * length] = vertices[row / 3][row % 3];
+    memcpy(&at[9 * length], &primitive, sizeof primitive);
+}
+
+/* Makes what is left of a leaf's last group triangles without area. */
+static inline void kdr_block_pad(float *blocks, kdr_node leaf) {
+    static const float nothing[3][3];
+    uint32_t count = kdr_node_count(leaf), length = kdr_block_groups(count) * KDR_BLOCK_GROUP;
+    for (uint32_t i = count; i < length; i++)
+        kdr_block_set(blocks, leaf, i, nothing, UINT32_MAX);
+}
+
+#endif

@@ -1,0 +1,39 @@
+#include "tree/tree.h"
+
+#include "base/check.h"
+
+bool kdr_tree_reserve(kdr_tree *tree, kdr_alloc *alloc, uint32_t node_count, uint32_t group_count) {
+    size_t node_bytes = (size_t)node_count * sizeof(kdr_node);
+    size_t block_bytes = (size_t)group_count * KDR_BLOCK_GROUP_BYTES + KDR_BLOCK_TAIL_BYTES;
+    kdr_node *nodes = kdr_alloc_get(alloc, node_bytes, 64);
+    float *blocks = kdr_alloc_get(alloc, block_bytes, 64);
+    if (!nodes || !blocks) {
+        kdr_alloc_release(alloc, nodes, node_bytes);
+        kdr_alloc_release(alloc, blocks, block_bytes);
+        return false;
+    }
+
+    /* What is read past the last block must be numbers, though nobody cares which. */
+    memset((char *)blocks + (size_t)group_count * KDR_BLOCK_GROUP_BYTES, 0, KDR_BLOCK_TAIL_BYTES);
+    tree->nodes = nodes;
+    tree->blocks = blocks;
+    tree->node_count = node_count;
+    tree->group_count = group_count;
+    tree->node_bytes = node_bytes;
+    tree->block_bytes = block_bytes;
+    return true;
+}
+
+bool kdr_tree_init_empty(kdr_tree *tree, kdr_alloc *alloc) {
+    *tree = (kdr_tree){.bounds = kdr_box_empty(), .cost_traversal = 1, .cost_intersection = 1};
+    if (!kdr_tree_reserve(tree, alloc, 2, 0))
+        return false;
+    tree->nodes[0] = tree->nodes[1] = kdr_node_leaf(0, 0);
+    return true;
+}
+
+void kdr_tree_release(kdr_tree *tree, kdr_alloc *alloc) {
+    kdr_alloc_release(alloc, tree->nodes, tree->node_bytes);
+    kdr_alloc_release(alloc, tree->blocks, tree->block_bytes);
+    *tree = (kdr_tree){.bounds = kdr_box_empty()};
+}

@@ -1,0 +1,39 @@
+/* The structure at rest: nodes, blocks and what was counted when they were made. Never changed once built. */
+#ifndef KDR_TREE_TREE_H
+#define KDR_TREE_TREE_H
+
+#include "base/alloc.h"
+#include "geometry/box.h"
+#include "tree/block.h"
+
+typedef struct kdr_tree {
+    kdr_node *nodes;       /* node 0 is the root; canonical order: depth first, left before right */
+    uint32_t node_count;   /* with the unused node 1 */
+    float *blocks;
+    uint32_t group_count;
+    kdr_box bounds;        /* of the primitives: the root's cell; empty if there are none */
+    uint64_t primitive_count;
+    uint64_t dropped_count, degenerate_count;
+    float cost_traversal, cost_intersection;
+    uint32_t depth_limit;
+    size_t node_bytes, block_bytes; /* allocated */
+} kdr_tree;
+
+/* A tree of one empty leaf. False when there is no memory. */
+bool kdr_tree_init_empty(kdr_tree *tree, kdr_alloc *alloc);
+
+/* Room for nodes and groups; contents are not set. False, and nothing held, when there is no memory. */
+bool kdr_tree_reserve(kdr_tree *tree, kdr_alloc *alloc, uint32_t node_count, uint32_t group_count);
+
+void kdr_tree_release(kdr_tree *tree, kdr_alloc *alloc);
+
+/* Equal for equal trees, however they lie in memory: planes, and the primitives of each leaf in order. */
+uint64_t kdr_tree_hash(const kdr_tree *tree);
+
+/* Counts nodes, leaves, depths, references and cost; fills all of *out but build_seconds. */
+void kdr_tree_count(const kdr_tree *tree, kdr_tree_stats *out);
+
+/* Cost by the surface area heuristic: interior nodes and leaves weighted by their area over the root's. */
+double kdr_tree_cost(const kdr_tree *tree);
+
+#endif

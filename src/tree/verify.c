@@ -1,0 +1,111 @@
+#include "tree/verify.h"
+
+#include "tree/walk.h"
+
+#include <math.h>
+
+/* Invariants
+ *   every plane lies within its cell; axes, indices and blocks are in range; no path is longer than the depth limit
+ *   a leaf's primitives are in ascending order, and each one's box meets the leaf's cell
+ *   a primitive is in every leaf whose cell's inside its box meets; one that lies flat in a split plane may be on either
+ *   side of it, but is on one
+ *   every primitive of the tree is in some leaf: their number is that of the tree */
+typedef struct verifying {
+    const char *wrong;
+    uint64_t primitives;
+} verifying;
+
+static bool fail(verifying *v, const char *sentence) {
+    v->wrong = sentence;
+    return false;
+}
+
+static kdr_box triangle_box(const kdr_tree *tree, kdr_node leaf, uint32_t i) {
+    float t[3][3];
+    kdr_block_triangle(tree->blocks, leaf, i, t);
+    kdr_box box;
+    for (int k = 0; k < 3; k++) {
+        box.lo[k] = fminf(t[0][k], fminf(t[1][k], t[2][k]));
+        box.hi[k] = fmaxf(t[0][k], fmaxf(t[1][k], t[2][k]));
+    }
+    return box;
+}
+
+static bool leaf_holds(const kdr_tree *tree, kdr_node leaf, uint32_t primitive) {
+    uint32_t lo = 0, hi = kdr_node_count(leaf);
+    while (lo < hi) {
+        uint32_t middle = lo + (hi - lo) / 2;
+        if (kdr_block_primitive(tree->blocks, leaf, middle) < primitive)
+            lo = middle + 1;
+        else
+            hi = middle;
+    }
+    return lo < kdr_node_count(leaf) && kdr_block_primitive(tree->blocks, leaf, lo) == primitive;
+}
+
+/* True if the primitive is wherever it must be below this node. *first becomes the first leaf that holds it. */
+static bool reaches(const kdr_tree *tree, uint32_t index, uint32_t primitive, const kdr_box *box, uint32_t *first) {
+    kdr_node node = tree->nodes[index];
+    if (kdr_node_is_leaf(node)) {
+        if (!leaf_holds(tree, node, primitive))
+            return false;
+        if (*first == UINT32_MAX)
+            *first = index;
+        return true;
+    }
+    uint32_t axis = kdr_node_axis(node), left = kdr_node_child(node);
+    float plane = kdr_node_plane(node);
+    if (box->lo[axis] == plane && box->hi[axis] == plane) {
+        bool in_left = reaches(tree, left, primitive, box, first);
+        return reaches(tree, left + 1, primitive, box, first) || in_left;
+    }
+    if (box->lo[axis] < plane && !reaches(tree, left, primitive, box, first))
+        return false;
+    return !(box->hi[axis] > plane) || reaches(tree, left + 1, primitive, box, first);
+}
+
+static bool verify_leaf(const kdr_tree *tree, const kdr_walk *at, verifying *v) {
+    kdr_node node = tree->nodes[at->node];
+    uint32_t count = kdr_node_count(node);
+    if (count > 0 && (uint64_t)kdr_node_first(node) + kdr_block_groups(count) > tree->group_count)
+        return fail(v, "a leaf's block lies outside the blocks");
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t primitive = kdr_block_primitive(tree->blocks, node, i);
+        if (i > 0 && primitive <= kdr_block_primitive(tree->blocks, node, i - 1))
+            return fail(v, "the primitives of a leaf are not in ascending order");
+        kdr_box box = triangle_box(tree, node, i);
+        for (int k = 0; k < 3; k++)
+            if (!(box.lo[k] <= at->cell.hi[k] && box.hi[k] >= at->cell.lo[k]))
+                return fail(v, "a leaf holds a primitive whose box does not meet its cell");
+        uint32_t first = UINT32_MAX;
+        if (!reaches(tree, 0, primitive, &box, &first))
+            return fail(v, "a primitive is missing from a leaf whose cell its box meets");
+        v->primitives += first == at->node;
+    }
+    return true;
+}
+
+static bool verify_node(const kdr_tree *tree, const kdr_walk *at, void *context) {
+    verifying *v = context;
+    kdr_node node = tree->nodes[at->node];
+    if (at->depth > tree->depth_limit)
+        return fail(v, "a path is longer than the depth limit");
+    if (kdr_node_is_leaf(node))
+        return verify_leaf(tree, at, v);
+    uint32_t axis = kdr_node_axis(node), child = kdr_node_child(node);
+    float plane = kdr_node_plane(node);
+    if (!(plane >= at->cell.lo[axis] && plane <= at->cell.hi[axis]))
+        return fail(v, "a split plane lies outside its cell");
+    if (child < 2 || child + 1 >= tree->node_count)
+        return fail(v, "a child's index is out of range");
+    return true;
+}
+
+const char *kdr_tree_verify(const kdr_tree *tree) {
+    verifying v = {0};
+    if (!kdr_tree_walk(tree, verify_node, &v))
+        return v.wrong ? v.wrong : "the walk left the tree";
+    if (v.primitives != tree->primitive_count)
+        return "the leaves do not hold every primitive";
+    return NULL;
+}
