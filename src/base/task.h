@@ -1,10 +1,10 @@
 /* Work shared by workers: a crew runs a function on every worker at once; a pool hands tasks around inside it.
  *
- * A crew start asks the backend (the built-in threads, OpenMP or the host's) for worker_count concurrent calls and waits
- * for them: only the thread that commits ever waits. Inside, workers share a bounded pool of tasks (256 entries, as in
- * section 4.1 of the 2007 paper): who makes two tasks keeps one and offers the other, or does both when the pool is full.
- * Tasks never wait for tasks. Nothing depends on how many calls the backend really runs at once: with one worker the same
- * code is serial. */
+ * A crew start asks the backend (the built-in threads, OpenMP or the host's) for worker_count concurrent calls and
+ * waits for them: only the thread that commits ever waits. Inside, workers share a bounded pool of tasks (256 entries,
+ * as in section 4.1 of the 2007 paper): who makes two tasks keeps one and offers the other, or does both when the pool
+ * is full. Tasks never wait for tasks. Nothing depends on how many calls the backend really runs at once: with one
+ * worker the same code is serial. */
 #ifndef KDR_BASE_TASK_H
 #define KDR_BASE_TASK_H
 
@@ -13,7 +13,7 @@
 
 #define KDR_MAX_WORKERS 256
 #define KDR_POOL_CAPACITY 256
-#define KDR_TASK_BYTES 128
+#define KDR_TASK_BYTES 144
 
 typedef struct kdr_crew {
     kdr_task_backend backend;
