@@ -1,6 +1,6 @@
-/* Embree as a second opinion: random closest-hit and any-hit rays on several scenes. Embree works in floats and its robust
- * mode guards against gaps, not against rounding, so it may differ from the exact rule near edges and between surfaces that
- * almost touch. Wherever the two differ, the exact oracle decides, and it must side with kdray. */
+/* Embree as a second opinion: random closest-hit and any-hit rays on several scenes. Embree works in floats and its
+ * robust mode guards against gaps, not against rounding, so it may differ from the exact rule near edges and between
+ * surfaces that almost touch. Wherever the two differ, the exact oracle decides, and it must side with kdray. */
 #include "support/closed_mesh.h"
 #include "support/everywhere.h"
 #include "support/soup.h"
@@ -22,9 +22,11 @@
 /* Vertices copied tight, as Embree reads 16 bytes at each. */
 static void embree_add(RTCDevice device, RTCScene scene, const oracle_scene *oracle) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    float *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * oracle->count);
-    uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, oracle->count);
-    for (size_t i = 0; i < oracle->count; i++) {
+    size_t count = oracle->count;
+    float *vertices =
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * count);
+    uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, count);
+    for (size_t i = 0; i < count; i++) {
         memcpy(vertices + 9 * i, oracle->primitives[i].a, 12);
         memcpy(vertices + 9 * i + 3, oracle->primitives[i].b, 12);
         memcpy(vertices + 9 * i + 6, oracle->primitives[i].c, 12);
@@ -54,7 +56,8 @@ static kdr_ray random_ray(test_random *random, const oracle_scene *oracle) {
                      .direction_z = d[2], .tmax = tmax};
 }
 
-static void compare_ray(const kdr_scene *scene, RTCScene other, const oracle_tree *tree, const kdr_ray *ray, tally *counts) {
+static void compare_ray(const kdr_scene *scene, RTCScene other, const oracle_tree *tree, const kdr_ray *ray,
+                        tally *counts) {
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     struct RTCRayHit closest = {0};
@@ -81,12 +84,14 @@ static void compare_ray(const kdr_scene *scene, RTCScene other, const oracle_tre
     // Whose answer is right where they differ is not a matter of opinion.
     if (!same || occluded != other_occluded) {
         oracle_hit answer = oracle_tree_closest(tree, ray);
-        if (!query_answer_is_right(ray, &answer, &given, "differs from Embree") || occluded != (answer.primitive != NULL))
+        if (!query_answer_is_right(ray, &answer, &given, "differs from Embree") ||
+            occluded != (answer.primitive != NULL))
             fail_msg("Embree and the oracle disagree with kdray");
     }
 }
 
-static void compare(const kdr_triangles_def *geometries, uint32_t geometry_count, uint64_t sequence, const char *label) {
+static void compare(const kdr_triangles_def *geometries, uint32_t geometry_count, uint64_t sequence,
+                    const char *label) {
     oracle_scene oracle = oracle_scene_create(geometries, geometry_count);
     oracle_tree tree = oracle_tree_create(&oracle);
     kdr_device *device;
@@ -105,8 +110,8 @@ static void compare(const kdr_triangles_def *geometries, uint32_t geometry_count
         kdr_ray ray = random_ray(&random, &oracle);
         compare_ray(scene, other, &tree, &ray, &counts);
     }
-    printf("%s: %d rays, %zu hits; Embree differs in %zu closest hits and %zu occlusions, the oracle in none\n", label, RAYS,
-           counts.hits, counts.other_hits, counts.other_occlusions);
+    printf("%s: %d rays, %zu hits; Embree differs in %zu closest hits and %zu occlusions, the oracle in none\n", label,
+           RAYS, counts.hits, counts.other_hits, counts.other_occlusions);
     // A test in which everything differs would prove nothing.
     assert_true(counts.hits > RAYS / 5 && counts.other_hits < RAYS / 10 && counts.other_occlusions < RAYS / 10);
 

@@ -1,4 +1,5 @@
-/* Every allocation made to fail in turn: a clean status, nothing lost, the old tree still answering, and a retry that works. */
+/* Every allocation made to fail in turn: a clean status, nothing lost, the old tree still answering, and a retry that
+ * works. */
 #include "support/everywhere.h"
 #include "support/failing_alloc.h"
 #include "support/soup.h"
@@ -82,7 +83,7 @@ static void deny(failing_alloc *memory, uint64_t n, bool and_after) {
 }
 
 /* Runs with allocation n failing for n = 1, 2 ... until one run asks for no n-th. */
-static void device_survives(fixture *made, uint32_t workers, bool and_after) {
+static void assert_device_survives(fixture *made, uint32_t workers, bool and_after) {
     kdr_device_def def = kdr_default_device_def();
     def.worker_count = workers;
     def.allocator = failing_alloc_functions(&made->memory);
@@ -106,8 +107,8 @@ static void device_survives(fixture *made, uint32_t workers, bool and_after) {
 
 static void a_device_that_gets_no_memory_leaves_nothing_behind(void **state) {
     for (uint32_t workers = 1; workers <= 3; workers += 2) {
-        device_survives(*state, workers, false);
-        device_survives(*state, workers, true);
+        assert_device_survives(*state, workers, false);
+        assert_device_survives(*state, workers, true);
     }
 }
 
@@ -152,7 +153,7 @@ static void assert_old_tree(const fixture *made, const kdr_scene *scene) {
     assert_int_equal(query_sheet_differences(&made->old_sheet, scene, "the old tree"), 0);
 }
 
-static void commit_survives(fixture *made, uint32_t workers, bool and_after) {
+static void assert_commit_survives(fixture *made, uint32_t workers, bool and_after) {
     for (uint64_t n = 1;; n++) {
         failing_alloc_fail_nth(&made->memory, 0);
         kdr_device *device = device_on(&made->memory, workers);
@@ -183,13 +184,13 @@ static void commit_survives(fixture *made, uint32_t workers, bool and_after) {
 }
 
 static void a_commit_that_gets_no_memory_keeps_the_old_tree_and_can_be_tried_again(void **state) {
-    commit_survives(*state, 1, false);
-    commit_survives(*state, 1, true);
+    assert_commit_survives(*state, 1, false);
+    assert_commit_survives(*state, 1, true);
 }
 
 static void a_commit_of_many_workers_that_gets_no_memory_keeps_the_old_tree(void **state) {
-    commit_survives(*state, 3, false);
-    commit_survives(*state, 3, true);
+    assert_commit_survives(*state, 3, false);
+    assert_commit_survives(*state, 3, true);
 }
 
 static void bytes_are_counted_and_all_come_back(void **state) {

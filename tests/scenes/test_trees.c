@@ -1,4 +1,5 @@
-/* The built-in scenes at moderate sizes: sound trees, the same for any number of workers, that answer as the oracle does. */
+/* The built-in scenes at moderate sizes: sound trees, the same for any number of workers, that answer as the oracle
+ * does. */
 #include "kdray/render.h"
 #include "support/awkward_rays.h"
 #include "support/everywhere.h"
@@ -51,7 +52,7 @@ static void hold_scene(const char *name, uint64_t sequence, double time) {
     kdr_mesh_destroy(mesh);
 }
 
-static void built_in_scenes_give_one_sound_tree_that_answers_as_the_oracle(void **state) {
+static void built_in_scenes_give_sound_trees_that_answer_as_the_oracle(void **state) {
     (void)state;
     uint64_t sequence = 0;
     for (const char *name; (name = kdr_mesh_builtin_name(sequence)) != NULL; sequence++)
@@ -60,6 +61,6 @@ static void built_in_scenes_give_one_sound_tree_that_answers_as_the_oracle(void 
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(built_in_scenes_give_one_sound_tree_that_answers_as_the_oracle)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(built_in_scenes_give_sound_trees_that_answer_as_the_oracle)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -7,8 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A sum of triple products of differences has at most 8 roundings on the way from the floats to each term; the bound is
- * this times the sum of the terms' magnitudes, and twice what is needed. No term can underflow: see exact_expansion.h. */
+/* A sum of triple products of differences has at most 8 roundings on the way from the floats to each term; the bound
+ * is this times the sum of the terms' magnitudes, and twice what is needed. No term can underflow: see
+ * exact_expansion.h. */
 #define ERROR_FACTOR 0x1p-49
 
 bool oracle_ray_is_valid(const kdr_ray *ray) {
@@ -126,7 +127,8 @@ bool oracle_triangle_exact(const kdr_ray *ray, const float a[3], const float b[3
     return true;
 }
 
-void oracle_barycentric(const kdr_ray *ray, const float a[3], const float b[3], const float c[3], double *u, double *v) {
+void oracle_barycentric(const kdr_ray *ray, const float a[3], const float b[3], const float c[3], double *u,
+                        double *v) {
     float o[3], d[3];
     ray_vectors(ray, o, d);
     expansion edge, denominator;
