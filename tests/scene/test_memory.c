@@ -52,7 +52,10 @@ static int setup(void **state) {
     made->old_oracle = oracle_scene_create(made->old_soup.geometries, SOUP_GEOMETRIES);
     made->old_tree = oracle_tree_create(&made->old_oracle);
     for (int i = 0; i < RAYS; i++) {
-        const float *target = made->old_oracle.primitives[i].a;
+        const oracle_primitive *aim = &made->old_oracle.primitives[i];
+        float target[3];
+        for (int axis = 0; axis < 3; axis++)
+            target[axis] = (aim->a[axis] + aim->b[axis] + aim->c[axis]) / 3;
         made->rays[i] = (kdr_ray){.origin_z = -4, .direction_x = target[0], .direction_y = target[1],
                                   .direction_z = target[2] + 4, .tmax = INFINITY};
     }
@@ -114,6 +117,7 @@ static void a_device_that_gets_no_memory_leaves_nothing_behind(void **state) {
 
 static void a_scene_that_gets_no_memory_leaves_nothing_behind(void **state) {
     fixture *made = *state;
+    failing_alloc_fail_nth(&made->memory, 0);
     kdr_device *device = device_on(&made->memory, 1);
     size_t bytes = kdr_device_bytes(device);
     for (uint64_t n = 1;; n++) {
