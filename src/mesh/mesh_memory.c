@@ -1,0 +1,24 @@
+#include "mesh/mesh_memory.h"
+
+#include "base/check.h"
+#include "kdray/render.h"
+
+#include <pthread.h>
+
+static kdr_alloc memory;
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+static void begin(void) { kdr_alloc_init(&memory, NULL); }
+
+kdr_alloc *kdr_mesh_memory(void) {
+    pthread_once(&once, begin);
+    return &memory;
+}
+
+void kdr_mesh_memory_replace(const kdr_allocator *functions) {
+    kdr_alloc *alloc = kdr_mesh_memory();
+    KDR_CHECK(atomic_load(&alloc->bytes) == 0);
+    kdr_alloc_init(alloc, functions);
+}
+
+size_t kdr_render_bytes(void) { return atomic_load(&kdr_mesh_memory()->bytes); }
