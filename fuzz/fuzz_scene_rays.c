@@ -1,5 +1,6 @@
 /* Bytes to a scene and rays: build constants, a few dozen triangles and rays, as raw floats and snapped to small grids.
  * Every query must answer as the exact oracle does and every tree must be sound; aborts on the first difference. */
+#include "support/failing_alloc.h"
 #include "support/query_sheet.h"
 
 #include <math.h>
@@ -94,22 +95,8 @@ static void demand(bool condition, const char *what) {
     abort();
 }
 
-/* One device for each instruction set, made once. */
-static kdr_device *device_of(uint8_t choice) {
-    static kdr_device *devices[KDR_ISA_NEON + 1];
-    kdr_isa isa = (kdr_isa)(choice % (KDR_ISA_NEON + 1));
-    if (!devices[isa]) {
-        kdr_device_def def = kdr_default_device_def();
-        def.worker_count = 1;
-        def.isa_limit = isa;
-        demand(kdr_device_create(&def, &devices[isa]) == KDR_OK, "a device is made");
-    }
-    return devices[isa];
-}
-
 static void check_scene(kdr_device *device, const kdr_triangles_def *defs, const kdr_build_def *build,
                         const kdr_ray *rays, size_t ray_count) {
-    size_t bytes = kdr_device_bytes(device);
     kdr_scene *scene;
     demand(kdr_scene_create(device, &scene) == KDR_OK, "a scene is made");
     for (int i = 0; i < GEOMETRIES; i++)
@@ -130,14 +117,18 @@ static void check_scene(kdr_device *device, const kdr_triangles_def *defs, const
     oracle_tree_destroy(&tree);
     oracle_scene_destroy(&oracle);
     kdr_scene_destroy(scene);
-    kdr_device_trim(device);
-    demand(kdr_device_bytes(device) <= bytes || bytes == 0, "all memory comes back");
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     source from = {data, size};
-    kdr_device *device = device_of(take_byte(&from));
-    kdr_device_trim(device);
+    failing_alloc memory;
+    failing_alloc_init(&memory);
+    kdr_device_def device_def = kdr_default_device_def();
+    device_def.worker_count = 1;
+    device_def.isa_limit = (kdr_isa)(take_byte(&from) % (KDR_ISA_NEON + 1));
+    device_def.allocator = failing_alloc_functions(&memory);
+    kdr_device *device;
+    demand(kdr_device_create(&device_def, &device) == KDR_OK, "a device is made");
     kdr_build_def build = take_build_def(&from);
 
     float triangles[MOST_TRIANGLES][9];
@@ -165,5 +156,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     while (ray_count < MOST_RAYS && from.size > 0)
         rays[ray_count++] = take_ray(&from);
     check_scene(device, defs, &build, rays, ray_count);
+    kdr_device_destroy(device);
+    demand(failing_alloc_is_clean(&memory), "all memory came back");
     return 0;
 }
