@@ -225,7 +225,7 @@ typedef struct kdr_tree_stats {
     uint32_t largest_leaf;
     double mean_leaf_depth;     /* over all leaves */
     double cost;                /* by the surface area heuristic, with the constants the tree was built with */
-    size_t node_bytes;          /* nodes of the tree */
+    size_t node_bytes;          /* nodes of the tree, in every form that is kept */
     size_t leaf_bytes;          /* blocks of the leaves */
     double build_seconds;       /* wall time of the commit */
     uint64_t depth_histogram[KDR_HISTOGRAM_SIZE]; /* leaves at each depth */

@@ -6,7 +6,7 @@
 
 kdr_build_def kdr_default_build_def(void) {
     return (kdr_build_def){.size = sizeof(kdr_build_def),
-                           .cost_traversal = 12,
+                           .cost_traversal = 16,
                            .cost_intersection = 1,
                            .leaf_limit = 64,
                            .depth_limit = 0,
@@ -98,7 +98,8 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
                      .cost_intersection = def.cost_intersection,
                      .leaf_limit = def.leaf_limit,
                      .depth_limit = def.depth_limit,
-                     .reference_limit = def.reference_limit};
+                     .reference_limit = def.reference_limit,
+                     .wide = device->traversals->wants_wide};
     kdr_tree tree;
     kdr_source_counts counts;
     status = kdr_build(device->workshop, &device->crew, device->isa, &source, &plan, &tree, &counts);
@@ -111,7 +112,7 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
     }
 
     /* Put the new tree in the place of the old one. */
-    kdr_tree_release(&scene->tree, &device->alloc);
+    kdr_tree_release(&scene->tree, &device->bulk);
     kdr_alloc_release(&device->alloc, scene->first, ((size_t)scene->committed_count + 1) * sizeof *first);
     scene->tree = tree;
     scene->first = first;

@@ -5,10 +5,9 @@ kdr_trace_def kdr_default_trace_def(void) {
     return (kdr_trace_def){.size = sizeof(kdr_trace_def)};
 }
 
-static inline void intersect(const kdr_scene *scene, const kdr_traversals *traversals, const kdr_entry *root,
-                             kdr_ray_hit *ray_hit) {
+static inline void intersect(const kdr_scene *scene, const kdr_traversals *traversals, kdr_ray_hit *ray_hit) {
     kdr_found found;
-    if (!traversals->stack_closest(&scene->tree, root, &ray_hit->ray, &found)) {
+    if (!traversals->single_closest(&scene->tree, &ray_hit->ray, &found)) {
         ray_hit->hit.geometry = KDR_INVALID_ID;
         return;
     }
@@ -25,26 +24,22 @@ static inline void intersect(const kdr_scene *scene, const kdr_traversals *trave
 }
 
 void kdr_intersect1(const kdr_scene *scene, kdr_ray_hit *ray_hit) {
-    kdr_entry root = kdr_entry_root(&scene->tree);
-    intersect(scene, scene->device->traversals, &root, ray_hit);
+    intersect(scene, scene->device->traversals, ray_hit);
 }
 
 bool kdr_occluded1(const kdr_scene *scene, const kdr_ray *ray) {
-    kdr_entry root = kdr_entry_root(&scene->tree);
-    return scene->device->traversals->stack_any(&scene->tree, &root, ray);
+    return scene->device->traversals->single_any(&scene->tree, ray);
 }
 
 void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_hit *ray_hits, size_t count) {
     (void)def; /* lone rays answer any coherence alike */
-    kdr_entry root = kdr_entry_root(&scene->tree);
     for (size_t i = 0; i < count; i++)
-        intersect(scene, scene->device->traversals, &root, &ray_hits[i]);
+        intersect(scene, scene->device->traversals, &ray_hits[i]);
 }
 
 void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, uint8_t *occluded,
                     size_t count) {
     (void)def;
-    kdr_entry root = kdr_entry_root(&scene->tree);
     for (size_t i = 0; i < count; i++)
-        occluded[i] = scene->device->traversals->stack_any(&scene->tree, &root, &rays[i]);
+        occluded[i] = scene->device->traversals->single_any(&scene->tree, &rays[i]);
 }

@@ -12,6 +12,7 @@
 #ifndef KDR_TREE_BLOCK_H
 #define KDR_TREE_BLOCK_H
 
+#include "geometry/box.h"
 #include "tree/node.h"
 
 #include <stddef.h>
@@ -60,6 +61,27 @@ static inline void kdr_block_pad(float *blocks, kdr_node leaf) {
     uint32_t count = kdr_node_count(leaf), length = kdr_block_groups(count) * KDR_BLOCK_GROUP;
     for (uint32_t i = count; i < length; i++)
         kdr_block_set(blocks, leaf, i, nothing, UINT32_MAX);
+}
+
+/* The union of the leaf's triangles' boxes, each cut to the leaf's cell: what a ray can meet in that cell. */
+static inline kdr_box kdr_block_box(const float *blocks, kdr_node leaf, const kdr_box *cell) {
+    uint32_t count = kdr_node_count(leaf);
+    kdr_box box = kdr_box_empty();
+    for (uint32_t k = 0; k < 3; k++) {
+        const float *a = kdr_block_row(blocks, leaf, k), *b = kdr_block_row(blocks, leaf, 3 + k);
+        const float *c = kdr_block_row(blocks, leaf, 6 + k);
+        float least = INFINITY, most = -INFINITY;
+        for (uint32_t i = 0; i < count; i++) {
+            float lo = a[i] < b[i] ? a[i] : b[i], hi = a[i] < b[i] ? b[i] : a[i];
+            lo = c[i] < lo ? c[i] : lo;
+            hi = c[i] > hi ? c[i] : hi;
+            least = lo < least ? lo : least;
+            most = hi > most ? hi : most;
+        }
+        box.lo[k] = least > cell->lo[k] ? least : cell->lo[k];
+        box.hi[k] = most < cell->hi[k] ? most : cell->hi[k];
+    }
+    return box;
 }
 
 #endif
