@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #define RAYS TEST_SIZE(1100)    /* more than the longest run of one call */
-#define FEW_RAYS TEST_SIZE(120) /* where the same scene is built many times */
+#define FEW_RAYS TEST_SIZE(60) /* where the same scene is built many times */
 #define LONG_ROUNDS 200
 
 /* Soups at their own size, and smaller ones around the size of a block and of a small node. */
