@@ -35,8 +35,11 @@ typedef struct kdr_bench_rays {
     bool coherent; /* neighbours go the same way */
 } kdr_bench_rays;
 
+#define KDR_BENCH_SCENE_SIZE 64u
+#define KDR_BENCH_NAME_SIZE 32u
+
 typedef struct kdr_bench_scene {
-    const char *name;
+    char name[KDR_BENCH_SCENE_SIZE];
     const kdr_mesh *mesh;
     kdr_camera camera;
     float light[3];
@@ -106,12 +109,12 @@ bool kdr_bench_kdray_open(const kdr_bench_scene *scene, const kdr_build_def *bui
 const kdr_scene *kdr_bench_kdray_scene(const kdr_bench_engine *engine);
 
 /* Embree is looked for when the program runs: the library that the environment variable KDRAY_EMBREE names, or
- * libembree3.so.3. Its name and version, such as "Embree 3.13.5"; NULL, and a sentence in *why, without it. */
+ * libembree3.so.3. Its version, such as "3.13.5"; NULL, and a sentence in *why, without it. */
 const char *kdr_bench_embree_version(const char **why);
 
-/* Embree with the quality named "low", "medium" or "high", as many threads as the scene's device has workers, and no wider
+/* Embree with the quality that ends the name, "embree/low", "embree/medium" or "embree/high", as many threads as the scene's device has workers, and no wider
  * instructions than the device uses. False after a sentence to the logger. Only after kdr_bench_embree_version. */
-bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *quality, const kdr_logger *logger,
+bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *name, const kdr_logger *logger,
                            kdr_bench_engine *out);
 
 /* ---- measuring */
@@ -125,13 +128,14 @@ typedef struct kdr_bench_options {
     kdr_build_def build;
 } kdr_bench_options;
 
-/* True if a tracer of this name is asked for. */
-bool kdr_bench_wanted(const kdr_bench_options *options, const char *tracer);
+/* True if the name of some tracer begins so. */
+bool kdr_bench_known(const char *beginning);
 
-#define KDR_BENCH_NAME_SIZE 32u
+/* True if some tracer is asked for whose name begins so. */
+bool kdr_bench_wanted(const kdr_bench_options *options, const char *beginning);
 
 typedef struct kdr_bench_row {
-    const char *scene;
+    char scene[KDR_BENCH_SCENE_SIZE];
     char tracer[KDR_BENCH_NAME_SIZE];
     uint32_t threads;
     uint64_t triangles;
@@ -165,7 +169,7 @@ typedef struct kdr_bench_run_info {
     uint32_t width, height, rounds, threads;
     kdr_isa isa;
     kdr_build_def build;
-    const char *embree; /* NULL: none */
+    const char *embree; /* its version; NULL: none */
 } kdr_bench_run_info;
 
 /* Two tables for people: the figures of one scene's rows, and how many times as fast they are as embree/medium/packet, or

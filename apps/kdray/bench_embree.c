@@ -67,7 +67,7 @@ const char *kdr_bench_embree_version(const char **why) {
     long minor = (long)embree.rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MINOR);
     long patch = (long)embree.rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_PATCH);
     embree.rtcReleaseDevice(device);
-    snprintf(version, sizeof version, "Embree %ld.%ld.%ld", major, minor, patch);
+    snprintf(version, sizeof version, "%ld.%ld.%ld", major, minor, patch);
     return version;
 }
 
@@ -303,11 +303,12 @@ static void share_triangles(embree_state *state, const kdr_mesh *mesh) {
                                       3 * sizeof(uint32_t), mesh->triangle_count);
 }
 
-bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *quality, const kdr_logger *logger,
+bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *name, const kdr_logger *logger,
                            kdr_bench_engine *out) {
     embree_state *state = kdr_memory_get(1, sizeof *state);
     *state = (embree_state){.width = 4};
-    *out = (kdr_bench_engine){.tracers = {{"packet", fill_packet, trace_packet, count_packet},
+    *out = (kdr_bench_engine){.name = name,
+                              .tracers = {{"packet", fill_packet, trace_packet, count_packet},
                                           {"single", fill_single, trace_single, count_single}},
                               .build = build,
                               .bytes = bytes,
@@ -315,14 +316,10 @@ bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *quality, co
                               .state = state,
                               .logger = logger};
     enum RTCBuildQuality level = RTC_BUILD_QUALITY_MEDIUM;
-    out->name = "embree/medium";
-    if (strcmp(quality, "low") == 0) {
+    if (strcmp(name, "embree/low") == 0)
         level = RTC_BUILD_QUALITY_LOW;
-        out->name = "embree/low";
-    } else if (strcmp(quality, "high") == 0) {
+    else if (strcmp(name, "embree/high") == 0)
         level = RTC_BUILD_QUALITY_HIGH;
-        out->name = "embree/high";
-    }
 
     state->device = new_device(scene);
     if (!succeeded(out)) {
@@ -355,10 +352,10 @@ const char *kdr_bench_embree_version(const char **why) {
     return NULL;
 }
 
-bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *quality, const kdr_logger *logger,
+bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *name, const kdr_logger *logger,
                            kdr_bench_engine *out) {
     (void)scene;
-    (void)quality;
+    (void)name;
     (void)out;
     logger->log(KDR_LOG_ERROR, "this kdray was compiled without Embree's header", logger->user);
     return false;

@@ -42,25 +42,46 @@ static void tell(measuring *m, const char *what) {
         m->progress(what, m->finished, m->total, m->progress_user);
 }
 
-bool kdr_bench_wanted(const kdr_bench_options *options, const char *tracer) {
+/* ---- names */
+
+static const struct engine_names {
+    const char *engine;
+    const char *tracers[KDR_BENCH_ENGINE_TRACERS];
+} names[ENGINE_LIMIT] = {
+    {"kdray", {"stream", "single"}},
+    {"embree/low", {"packet", "single"}},
+    {"embree/medium", {"packet", "single"}},
+    {"embree/high", {"packet", "single"}},
+};
+
+static void join_names(const char *engine, const char *tracer, char out[KDR_BENCH_NAME_SIZE]) {
+    snprintf(out, KDR_BENCH_NAME_SIZE, "%s/%s", engine, tracer);
+}
+
+static bool begins(const char *name, const char *beginning) { return strncmp(name, beginning, strlen(beginning)) == 0; }
+
+static bool asked_for(const kdr_bench_options *options, const char *tracer) {
     for (uint32_t i = 0; i < options->only_count; i++)
-        if (strncmp(tracer, options->only[i], strlen(options->only[i])) == 0)
+        if (begins(tracer, options->only[i]))
             return true;
     return options->only_count == 0;
 }
 
-/* ---- engines and rows */
-
-/* The names of an engine's tracers are known before it is opened, as all of Embree's are alike. */
-static bool engine_wanted(const kdr_bench_options *options, const char *engine, const char *const tracers[2]) {
-    bool wanted = false;
-    for (uint32_t i = 0; i < KDR_BENCH_ENGINE_TRACERS; i++) {
-        char name[KDR_BENCH_NAME_SIZE];
-        snprintf(name, sizeof name, "%s/%s", engine, tracers[i]);
-        wanted = wanted || kdr_bench_wanted(options, name);
+bool kdr_bench_wanted(const kdr_bench_options *options, const char *beginning) {
+    for (uint32_t i = 0; i < ENGINE_LIMIT; i++) {
+        for (uint32_t k = 0; k < KDR_BENCH_ENGINE_TRACERS; k++) {
+            char name[KDR_BENCH_NAME_SIZE];
+            join_names(names[i].engine, names[i].tracers[k], name);
+            if (begins(name, beginning) && asked_for(options, name))
+                return true;
+        }
     }
-    return wanted;
+    return false;
 }
+
+bool kdr_bench_known(const char *beginning) { return kdr_bench_wanted(&(kdr_bench_options){0}, beginning); }
+
+/* ---- engines and rows */
 
 /* Takes the engine just opened in; builds it for the first time; makes a row for each of its tracers that is asked for. */
 static bool take_engine(measuring *m) {
@@ -73,18 +94,18 @@ static bool take_engine(measuring *m) {
     double triangles = (double)m->scene->mesh->triangle_count;
     for (uint32_t i = 0; i < KDR_BENCH_ENGINE_TRACERS; i++) {
         char name[KDR_BENCH_NAME_SIZE];
-        snprintf(name, sizeof name, "%s/%s", engine->name, engine->tracers[i].name);
-        if (!kdr_bench_wanted(m->options, name))
+        join_names(engine->name, engine->tracers[i].name, name);
+        if (!asked_for(m->options, name))
             continue;
         m->timed[number] = true;
         m->row_engine[m->row_count] = number;
         m->row_tracer[m->row_count] = &engine->tracers[i];
         kdr_bench_row *row = &m->rows[m->row_count++];
-        *row = (kdr_bench_row){.scene = m->scene->name,
-                               .threads = kdr_device_worker_count(m->scene->device),
+        *row = (kdr_bench_row){.threads = kdr_device_worker_count(m->scene->device),
                                .triangles = m->scene->mesh->triangle_count,
                                .build_cold_ms = cold * 1e3,
                                .bytes_per_triangle = engine->bytes(engine) / triangles};
+        memcpy(row->scene, m->scene->name, sizeof row->scene);
         memcpy(row->tracer, name, sizeof row->tracer);
     }
     tell(m, engine->name);
@@ -97,13 +118,11 @@ static bool open_engines(measuring *m, bool with_embree, const kdr_logger *logge
         !kdr_bench_workload_make(m->scene, kdr_bench_kdray_scene(&m->engines[0]), logger, &m->workload))
         return false;
 
-    static const char *const qualities[] = {"low", "medium", "high"};
-    static const char *const names[] = {"embree/low", "embree/medium", "embree/high"};
-    static const char *const tracers[] = {"packet", "single"};
-    for (uint32_t i = 0; with_embree && i < 3; i++) {
-        if (!engine_wanted(m->options, names[i], tracers))
+    for (uint32_t i = 1; with_embree && i < ENGINE_LIMIT; i++) {
+        if (!kdr_bench_wanted(m->options, names[i].engine))
             continue;
-        if (!kdr_bench_embree_open(m->scene, qualities[i], logger, &m->engines[m->engine_count]) || !take_engine(m))
+        kdr_bench_engine *engine = &m->engines[m->engine_count];
+        if (!kdr_bench_embree_open(m->scene, names[i].engine, logger, engine) || !take_engine(m))
             return false;
     }
     return true;
