@@ -1,6 +1,6 @@
 /* Phong's reflection model: how much light a surface sends to the viewer.
  *
- *   ambient      diffuse (0.08 + 0.12 max(0, n.v))
+ *   ambient      diffuse (0.06 + 0.10 max(0, n.v))
  *   each light   brightness (diffuse (n.l) + specular max(0, r.v)^shininess) softened,  where n.l > 0 and it is visible
  *
  * n is the shading normal, v the direction to the viewer, l to the light, r = 2 (n.l) n - l. The ambient part is brighter
