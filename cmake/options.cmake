@@ -13,7 +13,7 @@ set(CMAKE_C_FLAGS_RELEASE "-O3 -DNDEBUG")
 
 option(BUILD_SHARED_LIBS "Build shared libraries" ON)
 option(KDRAY_RENDER "Build libkdray-render: files to pictures" ON)
-option(KDRAY_PROGRAM "Build the program kdray" ON)
+option(KDRAY_PROGRAM "Build the program kdray" ${PROJECT_IS_TOP_LEVEL})
 option(KDRAY_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(KDRAY_FUZZ "Build the fuzz targets (clang only)" OFF)
 option(KDRAY_OPENMP "Build libkdray-openmp, the OpenMP task backend" ON)
@@ -31,16 +31,21 @@ find_package(Threads REQUIRED)
 # Flags and include paths of every source of the project.
 add_library(kdray_settings INTERFACE)
 target_include_directories(kdray_settings INTERFACE
-  $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/include> $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src>
-  $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>)
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
 target_compile_definitions(kdray_settings INTERFACE _GNU_SOURCE)
 target_compile_options(kdray_settings INTERFACE
   -ffp-contract=off -fno-math-errno -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith
   -Wvla -Wno-psabi $<$<BOOL:${KDRAY_WERROR}>:-Werror>)
 if(KDRAY_SANITIZE)
-  target_compile_options(kdray_settings INTERFACE -fsanitize=${KDRAY_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_compile_options(kdray_settings INTERFACE
+    -fsanitize=${KDRAY_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(kdray_settings INTERFACE -fsanitize=${KDRAY_SANITIZE})
   add_link_options(-fsanitize=${KDRAY_SANITIZE})
+endif()
+
+if(KDRAY_FUZZ)
+  target_compile_options(kdray_settings INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
 if(KDRAY_OPENMP)
@@ -55,25 +60,15 @@ endif()
 if(KDRAY_RENDER)
   find_package(PNG REQUIRED)
   find_package(ZLIB REQUIRED)
-  add_library(kdray_formats INTERFACE)
-  target_link_libraries(kdray_formats INTERFACE PNG::PNG ZLIB::ZLIB)
+  set(KDRAY_FORMAT_LIBRARIES PNG::PNG ZLIB::ZLIB)
   if(KDRAY_ASSIMP)
     find_package(PkgConfig REQUIRED)
     pkg_check_modules(assimp IMPORTED_TARGET assimp)
     if(assimp_FOUND)
-      target_link_libraries(kdray_formats INTERFACE PkgConfig::assimp)
-      target_compile_definitions(kdray_formats INTERFACE KDR_WITH_ASSIMP)
+      list(APPEND KDRAY_FORMAT_LIBRARIES PkgConfig::assimp)
+      target_compile_definitions(kdray_settings INTERFACE KDR_WITH_ASSIMP)
     else()
       message(STATUS "kdray: no assimp, only PLY, OBJ and STL are read")
     endif()
   endif()
 endif()
-
-# Names, version and include path of an installed library.
-function(kdray_library name)
-  target_include_directories(${name} PUBLIC
-    $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  set_target_properties(${name} PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
-    LINKER_LANGUAGE C)
-  add_library(kdray::${name} ALIAS ${name})
-endfunction()

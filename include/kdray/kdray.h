@@ -147,7 +147,8 @@ KDR_API size_t kdr_device_peak_bytes(const kdr_device *device);
 KDR_API void kdr_device_trim(kdr_device *device);
 
 /* Runs task(context, i) for i in [0, count) on the device's workers and returns when all are done: the device's
- * threads lent back to the caller, for tracing or shading. count may exceed the worker count. Not from inside a task. */
+ * threads lent back to the caller, for tracing or shading. count may exceed the worker count. Never call it from
+ * inside a task. */
 KDR_API void kdr_device_run(kdr_device *device, kdr_task_fn *task, void *context, uint32_t count);
 
 /* ----------------------------------------------------------------------------------------------------- scene */
@@ -207,7 +208,7 @@ KDR_API kdr_build_def kdr_default_build_def(void);
  * LIMIT (2^30 triangles), OUT_OF_MEMORY. */
 KDR_API kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *def);
 
-/* Smallest box around the committed triangles, {min x, y, z, max x, y, z}; min > max on every axis if there are none. */
+/* Smallest box around the committed triangles, {min x, y, z, max x, y, z}; min > max on every axis if there is none. */
 KDR_API void kdr_scene_bounds(const kdr_scene *scene, float bounds[6]);
 
 #define KDR_HISTOGRAM_SIZE 64
@@ -224,7 +225,7 @@ typedef struct kdr_tree_stats {
     uint32_t largest_leaf;
     double mean_leaf_depth;     /* over all leaves */
     double cost;                /* by the surface area heuristic, with the constants the tree was built with */
-    size_t node_bytes;          /* nodes of the tree */
+    size_t node_bytes;          /* nodes of the tree, in every form that is kept */
     size_t leaf_bytes;          /* blocks of the leaves */
     double build_seconds;       /* wall time of the commit */
     uint64_t depth_histogram[KDR_HISTOGRAM_SIZE]; /* leaves at each depth */

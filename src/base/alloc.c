@@ -63,7 +63,6 @@ void kdr_alloc_release(kdr_alloc *alloc, void *memory, size_t size) {
         return;
     size_t before = atomic_fetch_sub_explicit(&alloc->bytes, size, memory_order_relaxed);
     KDR_CHECK(before >= size);
-    (void)before;
     alloc->functions.release(memory, size, alloc->functions.user);
 }
 

@@ -1,3 +1,5 @@
+/* Loops and reductions. A loop's workers take the parts of the range from one counter, so that a slow part holds up
+ * nobody else; a reduction is a loop with a place of its own for the value of every part. */
 #include "base/primitives.h"
 
 #include "base/check.h"
@@ -34,61 +36,6 @@ void kdr_parallel_for(const kdr_crew *crew, size_t count, size_t grain, kdr_rang
     uint32_t calls = crew->worker_count > 0 ? crew->worker_count : 1;
     kdr_crew_run(crew, loop_worker, &l, l.parts < calls ? (uint32_t)l.parts : calls);
 }
-
-/* ------------------------------------------------------------------------------------------------------ scan */
-
-typedef struct scan {
-    uint32_t *values;
-    uint64_t *sums; /* of each part; then what stands before it */
-} scan;
-
-static void scan_sum(void *context, size_t begin, size_t end, uint32_t worker) {
-    const scan *s = context;
-    (void)worker;
-    uint64_t sum = 0;
-    for (size_t i = begin; i < end; i++)
-        sum += s->values[i];
-    s->sums[begin / KDR_SCAN_GRAIN] = sum;
-}
-
-static uint64_t scan_range(uint32_t *values, size_t begin, size_t end, uint64_t sum) {
-    for (size_t i = begin; i < end; i++) {
-        uint32_t value = values[i];
-        values[i] = (uint32_t)sum;
-        sum += value;
-    }
-    return sum;
-}
-
-static void scan_write(void *context, size_t begin, size_t end, uint32_t worker) {
-    const scan *s = context;
-    (void)worker;
-    scan_range(s->values, begin, end, s->sums[begin / KDR_SCAN_GRAIN]);
-}
-
-uint64_t kdr_scan_parts(uint64_t *sums, size_t parts) {
-    uint64_t total = 0;
-    for (size_t i = 0; i < parts; i++) {
-        uint64_t sum = sums[i];
-        sums[i] = total;
-        total += sum;
-    }
-    return total;
-}
-
-uint64_t kdr_parallel_scan(const kdr_crew *crew, uint32_t *values, size_t count, uint64_t *scratch) {
-    // Integers: one pass gives what two give.
-    if (crew->worker_count <= 1 || count <= KDR_SCAN_GRAIN)
-        return scan_range(values, 0, count, 0);
-
-    scan s = {values, scratch};
-    kdr_parallel_for(crew, count, KDR_SCAN_GRAIN, scan_sum, &s);
-    uint64_t total = kdr_scan_parts(scratch, kdr_scan_scratch(count));
-    kdr_parallel_for(crew, count, KDR_SCAN_GRAIN, scan_write, &s);
-    return total;
-}
-
-/* ---------------------------------------------------------------------------------------------------- reduce */
 
 typedef struct reduce {
     const kdr_reduction *reduction;

@@ -12,8 +12,6 @@
 typedef void kdr_range_fn(void *context, size_t begin, size_t end, uint32_t worker);
 void kdr_parallel_for(const kdr_crew *crew, size_t count, size_t grain, kdr_range_fn *fn, void *context);
 
-/* ---------------------------------------------------------------------------- scan, compact and partition */
-
 #define KDR_SCAN_GRAIN 16384
 
 /* Entries of scratch that scan, compact and partition of `count` elements take: one for each grain. */
@@ -26,7 +24,7 @@ static inline size_t kdr_scan_scratch(size_t count) {
 uint64_t kdr_parallel_scan(const kdr_crew *crew, uint32_t *values, size_t count, uint64_t *scratch);
 
 /* Writes the numbers of the elements whose flag is not 0, ascending, and returns how many there are.
- * indices: room for that many. count at most 2^32. scratch: kdr_scan_scratch(count) entries. */
+ * indices: room for that many, never NULL. count at most 2^32. scratch: kdr_scan_scratch(count) entries. */
 size_t kdr_parallel_compact(const kdr_crew *crew, const uint8_t *flags, size_t count, uint32_t *indices,
                             uint64_t *scratch);
 
@@ -36,8 +34,6 @@ size_t kdr_parallel_partition(const kdr_crew *crew, const uint8_t *flags, size_t
 
 /* Exclusive prefix sum of one number a part, on the calling thread; returns the total. */
 uint64_t kdr_scan_parts(uint64_t *sums, size_t parts);
-
-/* -------------------------------------------------------------------------------------------------- reduce */
 
 /* How ranges become one value of `size` bytes. Every grain is gathered into a part that starts as `identity`, and the
  * parts are joined from left to right, so that even sums of floats come out the same for any number of workers. */
@@ -52,8 +48,6 @@ typedef struct kdr_reduction {
 /* parts: `size` bytes for each grain of the range, aligned as the value needs. result must not be one of the parts. */
 void kdr_parallel_reduce(const kdr_crew *crew, size_t count, size_t grain, const kdr_reduction *reduction, void *parts,
                          void *result);
-
-/* ---------------------------------------------------------------------------------------------------- sort */
 
 typedef struct kdr_pair {
     uint32_t key;

@@ -46,7 +46,6 @@ void *kdr_system_map(size_t size) {
 void kdr_system_unmap(void *memory, size_t size) {
     int failed = munmap(memory, whole_pages(size));
     KDR_CHECK(!failed);
-    (void)failed;
 }
 
 uint32_t kdr_system_cpu_count(void) {

@@ -1,10 +1,10 @@
 /* Work shared by workers: a crew runs a function on every worker at once; a pool hands tasks around inside it.
  *
- * A crew start asks the backend (the built-in threads, OpenMP or the host's) for worker_count concurrent calls and waits
- * for them: only the thread that commits ever waits. Inside, workers share a bounded pool of tasks (256 entries, as in
- * section 4.1 of the 2007 paper): who makes two tasks keeps one and offers the other, or does both when the pool is full.
- * Tasks never wait for tasks. Nothing depends on how many calls the backend really runs at once: with one worker the same
- * code is serial. */
+ * A crew start asks the backend (the built-in threads, OpenMP or the host's) for worker_count concurrent calls and
+ * waits for them: only the thread that commits ever waits. Inside, workers share a bounded pool of tasks (256 entries,
+ * as in section 4.1 of the 2007 paper): who makes two tasks keeps one and offers the other, or does both when the pool
+ * is full. Tasks never wait for tasks. Nothing depends on how many calls the backend really runs at once: with one
+ * worker the same code is serial. */
 #ifndef KDR_BASE_TASK_H
 #define KDR_BASE_TASK_H
 
@@ -13,7 +13,7 @@
 
 #define KDR_MAX_WORKERS 256
 #define KDR_POOL_CAPACITY 256
-#define KDR_TASK_BYTES 128
+#define KDR_TASK_BYTES 144
 
 typedef struct kdr_crew {
     kdr_task_backend backend;
@@ -23,7 +23,9 @@ typedef struct kdr_crew {
 /* Threads this process may run on (sched_getaffinity), at least 1, at most KDR_MAX_WORKERS. */
 uint32_t kdr_cpu_count(void);
 
-/* The built-in backend: worker_count - 1 threads that sleep between starts. False when no thread can be made. */
+/* The built-in backend: worker_count - 1 threads that sleep between starts; the thread that waits is the last worker.
+ * NULL when there is no memory or not a single thread can be made; with some of the threads it works, only slower.
+ * Starts on one pool follow one another, each waited for before the next. Destroying NULL is allowed. */
 typedef struct kdr_thread_pool kdr_thread_pool;
 kdr_thread_pool *kdr_thread_pool_create(kdr_alloc *alloc, uint32_t worker_count);
 void kdr_thread_pool_destroy(kdr_thread_pool *pool);
@@ -37,8 +39,9 @@ void kdr_crew_run(const kdr_crew *crew, kdr_task_fn *fn, void *context, uint32_t
 typedef struct kdr_pool kdr_pool;
 typedef void kdr_pool_fn(kdr_pool *pool, void *task, uint32_t worker, void *context);
 
-/* Runs every task in `tasks` (count x KDR_TASK_BYTES bytes) and all that they offer, on all workers; returns when none
- * is left. The order is not defined; larger tasks should stand first. */
+/* Runs every task in `tasks` (count x KDR_TASK_BYTES bytes, of any alignment, copied as they are taken) and all that
+ * they offer, on all workers; returns when none is left. `run` gets a copy of its own, aligned to 64 bytes. The order
+ * is not defined; larger tasks should stand first. OUT_OF_MEMORY: nothing was run. */
 kdr_status kdr_pool_run(const kdr_crew *crew, kdr_alloc *alloc, const void *tasks, size_t count, kdr_pool_fn *run,
                         void *context);
 

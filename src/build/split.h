@@ -18,6 +18,7 @@ typedef struct kdr_plan {
     float cost_traversal, cost_intersection;
     uint32_t leaf_limit, depth_limit;
     float reference_limit;
+    bool wide; /* add the wide tree */
 } kdr_plan;
 
 static inline float kdr_plan_leaf_cost(const kdr_plan *plan, uint32_t count) {

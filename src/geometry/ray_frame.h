@@ -12,7 +12,7 @@
 typedef struct kdr_ray_frame {
     float origin[3], direction[3];
     int axis_x, axis_y, axis_z;
-    float shear_x, shear_y;
+    float shear_x, shear_y, scale_z; /* scale_z: 1 / direction on axis z */
     float doubt; /* at least the error of a sheared coordinate of any point in the scene's box */
 } kdr_ray_frame;
 
@@ -39,6 +39,7 @@ static inline kdr_ray_frame kdr_ray_frame_of(const kdr_ray *ray, const kdr_box *
     f.axis_y = f.axis_x == 2 ? 0 : f.axis_x + 1;
     f.shear_x = f.direction[f.axis_x] / f.direction[f.axis_z];
     f.shear_y = f.direction[f.axis_y] / f.direction[f.axis_z];
+    f.scale_z = 1 / f.direction[f.axis_z];
 
     /* With m the largest coordinate of a point seen from the origin, a sheared coordinate is off by at most
      * 2^-24 (2 + 4) m: its two terms carry one and three roundings and it has one of its own. The products of an edge

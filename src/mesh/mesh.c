@@ -118,10 +118,7 @@ void kdr_mesh_destroy(kdr_mesh *mesh) {
     give(mesh->positions, owned->vertex_capacity, VERTEX_BYTES);
     give(mesh->normals, owned->vertex_capacity, VERTEX_BYTES);
     give(mesh->indices, owned->triangle_capacity, TRIANGLE_BYTES);
-    give(mesh->triangle_materials, owned->triangle_capacity, sizeof(uint32_t));
-    for (size_t i = 0; i < mesh->material_count; i++)
-        give(mesh->materials[i].name, strlen(mesh->materials[i].name) + 1, 1);
-    give(mesh->materials, owned->material_capacity, sizeof(kdr_mesh_material));
+    kdr_mesh_drop_materials(mesh);
     give(owned, 1, sizeof *owned);
 }
 
@@ -205,6 +202,18 @@ kdr_status kdr_mesh_add_material(kdr_mesh *mesh, const char *name, size_t name_l
         *index = (uint32_t)mesh->material_count;
     mesh->material_count++;
     return KDR_OK;
+}
+
+void kdr_mesh_drop_materials(kdr_mesh *mesh) {
+    owned_mesh *owned = own(mesh);
+    give(mesh->triangle_materials, owned->triangle_capacity, sizeof(uint32_t));
+    for (size_t i = 0; i < mesh->material_count; i++)
+        give(mesh->materials[i].name, strlen(mesh->materials[i].name) + 1, 1);
+    give(mesh->materials, owned->material_capacity, sizeof(kdr_mesh_material));
+    mesh->triangle_materials = NULL;
+    mesh->materials = NULL;
+    mesh->material_count = owned->material_capacity = 0;
+    owned->parts &= ~(uint32_t)KDR_MESH_MATERIALS;
 }
 
 /* More than a quarter unused is worth a copy. */

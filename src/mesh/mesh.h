@@ -37,9 +37,13 @@ size_t kdr_mesh_triangle_capacity(const kdr_mesh *mesh);
 /* Adds the arrays named in `parts` that the mesh lacks; they grow with it from here on. */
 kdr_status kdr_mesh_add_parts(kdr_mesh *mesh, uint32_t parts);
 
-/* Adds a material; the name of name_length bytes is copied up to its first zero byte. *index (may be NULL) gets its number. */
+/* Adds a material; the name of name_length bytes is copied up to its first zero byte. *index (may be NULL) gets its
+ * number. */
 kdr_status kdr_mesh_add_material(kdr_mesh *mesh, const char *name, size_t name_length, const float diffuse[3],
                                  uint32_t *index);
+
+/* Takes all materials away, triangle_materials included. */
+void kdr_mesh_drop_materials(kdr_mesh *mesh);
 
 /* Gives back room that is much larger than its contents. Keeps the mesh as it is where there is no memory to do so. */
 void kdr_mesh_trim(kdr_mesh *mesh);

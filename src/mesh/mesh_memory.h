@@ -14,4 +14,8 @@ kdr_alloc *kdr_mesh_memory(void);
  * Nothing may be held, and no other thread may be using the library. */
 void kdr_mesh_memory_replace(const kdr_allocator *functions);
 
+/* Makes room for `size` bytes in a buffer of this memory, growing geometrically; the first `kept` bytes stay.
+ * False, and an unchanged buffer, when there is none. */
+bool kdr_mesh_buffer_grow(kdr_buffer *buffer, size_t kept, size_t size);
+
 #endif

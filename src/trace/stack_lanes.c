@@ -30,7 +30,7 @@
 #undef STEP
 
 /* A ray outside the range of float intervals: rare, so its code is kept apart. */
-static __attribute__((noinline)) bool walk_wide(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray,
+static __attribute__((noinline)) bool walk_in_double(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray,
                                                 const kdr_ray_frame *f, bool any, kdr_closest *closest) {
     double_ray r;
     bool holds;
@@ -51,25 +51,28 @@ static inline __attribute__((always_inline)) bool search(const kdr_tree *tree, c
         return false;
     kdr_ray_frame f = kdr_ray_frame_of(ray, &tree->bounds);
     if (__builtin_expect(!holds, 0))
-        return walk_wide(tree, entry, ray, &f, any, closest);
+        return walk_in_double(tree, entry, ray, &f, any, closest);
     return float_walk(tree, entry->node, &r, &f, ray->tmin, ray->tmax, any, closest);
+}
+
+/* Hands over what was found, with the normal from the triangle's own vertices. */
+static void report(const kdr_closest *closest, kdr_found *found) {
+    const float *a = closest->vertices[0], *b = closest->vertices[1], *c = closest->vertices[2];
+    float e[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, g[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    found->normal[0] = e[1] * g[2] - e[2] * g[1];
+    found->normal[1] = e[2] * g[0] - e[0] * g[2];
+    found->normal[2] = e[0] * g[1] - e[1] * g[0];
+    found->t = closest->t;
+    found->u = closest->u;
+    found->v = closest->v;
+    found->primitive = closest->primitive;
 }
 
 static bool stack_closest(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray, kdr_found *found) {
     kdr_closest closest = {.t = ray->tmax, .primitive = UINT32_MAX};
     if (!search(tree, entry, ray, false, &closest))
         return false;
-
-    /* Normal from the triangle's own vertices. */
-    const float *a = closest.vertices[0], *b = closest.vertices[1], *c = closest.vertices[2];
-    float e[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, g[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-    found->normal[0] = e[1] * g[2] - e[2] * g[1];
-    found->normal[1] = e[2] * g[0] - e[0] * g[2];
-    found->normal[2] = e[0] * g[1] - e[1] * g[0];
-    found->t = closest.t;
-    found->u = closest.u;
-    found->v = closest.v;
-    found->primitive = closest.primitive;
+    report(&closest, found);
     return true;
 }
 
@@ -78,5 +81,52 @@ static bool stack_any(const kdr_tree *tree, const kdr_entry *entry, const kdr_ra
     return search(tree, entry, ray, true, &closest);
 }
 
+/* Lone rays take the wide tree where there are lanes for it. */
+#if KDR_LANES > 1
+#include "trace/wide_lanes.h"
+
+static inline __attribute__((always_inline)) bool search_wide(const kdr_tree *tree, const kdr_ray *ray, const bool any,
+                                                              kdr_closest *closest) {
+    kdr_entry root = kdr_entry_root(tree);
+    if (__builtin_expect(!tree->wide, 0))
+        return search(tree, &root, ray, any, closest);
+    float_ray r;
+    bool holds;
+    if (!kdr_ray_is_valid(ray) || (!float_begin(&r, ray, &tree->bounds, &holds) && holds))
+        return false;
+    kdr_ray_frame f = kdr_ray_frame_of(ray, &tree->bounds);
+    if (__builtin_expect(!holds, 0))
+        return walk_in_double(tree, &root, ray, &f, any, closest);
+    return kdr_wide_walk(tree, &r, &f, ray->tmin, ray->tmax, any, closest);
+}
+
+static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *found) {
+    kdr_closest closest = {.t = ray->tmax, .primitive = UINT32_MAX};
+    if (!search_wide(tree, ray, false, &closest))
+        return false;
+    report(&closest, found);
+    return true;
+}
+
+static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
+    kdr_closest closest = {.primitive = UINT32_MAX};
+    return search_wide(tree, ray, true, &closest);
+}
+#else
+static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *found) {
+    kdr_entry root = kdr_entry_root(tree);
+    return stack_closest(tree, &root, ray, found);
+}
+
+static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
+    kdr_entry root = kdr_entry_root(tree);
+    return stack_any(tree, &root, ray);
+}
+#endif
+
 extern const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals);
-const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals) = {.stack_closest = stack_closest, .stack_any = stack_any};
+const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals) = {.stack_closest = stack_closest,
+                                                         .stack_any = stack_any,
+                                                         .wants_wide = KDR_LANES > 1,
+                                                         .single_closest = single_closest,
+                                                         .single_any = single_any};

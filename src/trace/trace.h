@@ -22,6 +22,11 @@ typedef struct kdr_traversals {
     /* True, and *found filled in, if the ray hits something. */
     bool (*stack_closest)(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray, kdr_found *found);
     bool (*stack_any)(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray);
+
+    /* The same answers by the fastest way for a lone ray from the root. It may want the tree's wide nodes. */
+    bool wants_wide;
+    bool (*single_closest)(const kdr_tree *tree, const kdr_ray *ray, kdr_found *found);
+    bool (*single_any)(const kdr_tree *tree, const kdr_ray *ray);
 } kdr_traversals;
 
 /* The table for an instruction set that this machine has. */

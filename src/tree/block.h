@@ -7,11 +7,12 @@
  * mask, and wastes at most three lanes of memory (40 bytes each). A leaf's first item is the number of its first group.
  * Reads of a full vector may run past the last block: 60 bytes behind it are readable.
  *
- * Only this header, block.c and block_lanes.h know this. Builders say which primitives a leaf has; traversals ask
+ * Only this header and block_lanes.h know this. Builders say which primitives a leaf has; traversals ask
  * kdr_block_closest and kdr_block_any. */
 #ifndef KDR_TREE_BLOCK_H
 #define KDR_TREE_BLOCK_H
 
+#include "geometry/box.h"
 #include "tree/node.h"
 
 #include <stddef.h>
@@ -44,11 +45,43 @@ static inline void kdr_block_triangle(const float *blocks, kdr_node leaf, uint32
         vertices[row / 3][row % 3] = kdr_block_row(blocks, leaf, row)[i];
 }
 
-/* Gives the vertices of a primitive; thread safe. */
-typedef void kdr_block_vertices_fn(const void *context, uint32_t primitive, float vertices[3][3]);
+/* Sets triangle i of a leaf's block. */
+static inline void kdr_block_set(float *blocks, kdr_node leaf, uint32_t i, const float vertices[3][3],
+                                 uint32_t primitive) {
+    size_t length = (size_t)kdr_block_groups(kdr_node_count(leaf)) * KDR_BLOCK_GROUP;
+    float *at = blocks + (size_t)kdr_node_first(leaf) * (KDR_BLOCK_GROUP_BYTES / sizeof(float)) + i;
+    for (uint32_t row = 0; row < 9; row++)
+        at[row * length] = vertices[row / 3][row % 3];
+    memcpy(&at[9 * length], &primitive, sizeof primitive);
+}
 
-/* Fills a leaf's block; what is left of its last group becomes triangles without area. */
-void kdr_block_fill(float *blocks, kdr_node leaf, const uint32_t *primitives, kdr_block_vertices_fn *vertices,
-                    const void *context);
+/* Makes what is left of a leaf's last group triangles without area. */
+static inline void kdr_block_pad(float *blocks, kdr_node leaf) {
+    static const float nothing[3][3];
+    uint32_t count = kdr_node_count(leaf), length = kdr_block_groups(count) * KDR_BLOCK_GROUP;
+    for (uint32_t i = count; i < length; i++)
+        kdr_block_set(blocks, leaf, i, nothing, UINT32_MAX);
+}
+
+/* The union of the leaf's triangles' boxes, each cut to the leaf's cell: what a ray can meet in that cell. */
+static inline kdr_box kdr_block_box(const float *blocks, kdr_node leaf, const kdr_box *cell) {
+    uint32_t count = kdr_node_count(leaf);
+    kdr_box box = kdr_box_empty();
+    for (uint32_t k = 0; k < 3; k++) {
+        const float *a = kdr_block_row(blocks, leaf, k), *b = kdr_block_row(blocks, leaf, 3 + k);
+        const float *c = kdr_block_row(blocks, leaf, 6 + k);
+        float least = INFINITY, most = -INFINITY;
+        for (uint32_t i = 0; i < count; i++) {
+            float lo = a[i] < b[i] ? a[i] : b[i], hi = a[i] < b[i] ? b[i] : a[i];
+            lo = c[i] < lo ? c[i] : lo;
+            hi = c[i] > hi ? c[i] : hi;
+            least = lo < least ? lo : least;
+            most = hi > most ? hi : most;
+        }
+        box.lo[k] = least > cell->lo[k] ? least : cell->lo[k];
+        box.hi[k] = most < cell->hi[k] ? most : cell->hi[k];
+    }
+    return box;
+}
 
 #endif

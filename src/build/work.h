@@ -1,0 +1,104 @@
+/* State of one build, shared by the files of this room. */
+#ifndef KDR_BUILD_WORK_H
+#define KDR_BUILD_WORK_H
+
+#include "base/arena.h"
+#include "base/bulk.h"
+#include "build/builder.h"
+#include "build/chunks.h"
+#include "build/kernels.h"
+
+#define KDR_PAIRS_PER_CHUNK 4096
+#define KDR_IDS_PER_CHUNK 65536
+
+/* Nodes of at most this many references live in one worker's arena and second-level cache. */
+#define KDR_LOCAL_LIMIT 8192
+
+/* What a worker has for itself. Aligned so that no two share a cache line. */
+typedef struct kdr_build_worker {
+    _Alignas(128) kdr_arena arena;
+    uint32_t pair, pair_end;         /* pairs of the chunk it is filling */
+    uint32_t id, id_end;             /* the same for leaf ids */
+    uint64_t interiors, leaf_groups; /* made so far */
+    uint64_t leaves;
+} kdr_build_worker;
+
+struct kdr_workshop {
+    kdr_alloc *alloc;
+    uint32_t worker_count;
+    kdr_build_worker *workers;
+    kdr_bulk *bulk;     /* the device's */
+    kdr_chunks pairs;   /* of nodes, while the tree grows */
+    kdr_chunks ids;     /* of the leaves' primitives */
+    kdr_buffer layout;  /* for the final pass */
+};
+
+/* A node that is still to be opened. */
+typedef struct kdr_build_task {
+    kdr_references references;
+    void *memory;      /* bulk memory that holds the references; NULL: they are in a worker's arena */
+    size_t memory_size;
+    kdr_box cell;
+    kdr_box box;       /* bounds of the references, inside the cell */
+    uint64_t budget;   /* references that the leaves below may have together */
+    uint32_t node;     /* its number among the growing nodes */
+    uint32_t depth;
+} kdr_build_task;
+
+typedef struct kdr_build_state {
+    kdr_workshop *shop;
+    const kdr_crew *crew;
+    const kdr_build_kernels *kernels;
+    const kdr_source *source;
+    kdr_plan plan;
+    _Atomic int status; /* the first failure; workers stop when it is not KDR_OK */
+} kdr_build_state;
+
+static inline bool kdr_build_failed(const kdr_build_state *state) {
+    return atomic_load_explicit(&state->status, memory_order_relaxed) != KDR_OK;
+}
+
+static inline void kdr_build_fail(kdr_build_state *state, kdr_status status) {
+    int none = KDR_OK;
+    atomic_compare_exchange_strong(&state->status, &none, (int)status);
+}
+
+static inline kdr_node *kdr_growing_node(const kdr_workshop *shop, uint32_t index) {
+    kdr_node *chunk = shop->pairs.table[index / (2 * KDR_PAIRS_PER_CHUNK)];
+    return &chunk[index % (2 * KDR_PAIRS_PER_CHUNK)];
+}
+
+static inline uint32_t *kdr_growing_ids(const kdr_workshop *shop, uint32_t first) {
+    uint32_t *chunk = shop->ids.table[first / KDR_IDS_PER_CHUNK];
+    return &chunk[first % KDR_IDS_PER_CHUNK];
+}
+
+/* ---- gather.c: the root's references. On failure nothing is held. */
+kdr_status kdr_build_gather(kdr_build_state *state, kdr_build_task *root, kdr_source_counts *counts);
+
+/* ---- grow.c: the only writer of nodes. False, and the state says why, when memory or numbers run out. */
+bool kdr_grow_pair(kdr_build_state *state, kdr_build_worker *worker, uint32_t *pair);
+bool kdr_grow_interior(kdr_build_state *state, kdr_build_worker *worker, uint32_t node, uint32_t axis, float plane,
+                       uint32_t *pair);
+/* Makes the node a leaf of `count` primitives and says where to write their numbers. */
+uint32_t *kdr_grow_leaf(kdr_build_state *state, kdr_build_worker *worker, uint32_t node, uint32_t count);
+
+/* ---- expand.c: opens one task into a leaf or two tasks. */
+typedef enum kdr_opened { KDR_OPENED_LEAF, KDR_OPENED_PAIR, KDR_OPENED_FAILED } kdr_opened;
+/* `parallel`: the calling thread lets all workers help; it must then be the one that commits. */
+kdr_opened kdr_expand(kdr_build_state *state, kdr_build_worker *worker, bool parallel, kdr_build_task *task,
+                      kdr_build_task children[2]);
+
+/* ---- masks.c: a task of at most KDR_MASK_LIMIT references becomes a whole subtree. */
+void kdr_expand_masked(kdr_build_state *state, kdr_build_worker *worker, const kdr_build_task *task);
+
+/* True if a node becomes a leaf whatever its planes cost. */
+static inline bool kdr_must_be_leaf(const kdr_plan *plan, uint32_t count, uint32_t depth) {
+    bool cheap = kdr_plan_leaf_cost(plan, count) <= plan->cost_traversal && count <= plan->leaf_limit;
+    return count == 0 || depth >= plan->depth_limit || cheap;
+}
+
+/* ---- layout.c: the finished tree in canonical order. */
+kdr_status kdr_build_layout(kdr_build_state *state, kdr_tree *tree);
+
+#endif

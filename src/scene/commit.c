@@ -1,0 +1,125 @@
+/* Commit: a new tree is made beside the old one and takes its place only when it is whole. */
+#include "base/cpu.h"
+#include "scene/scene.h"
+
+#include <string.h>
+
+kdr_build_def kdr_default_build_def(void) {
+    return (kdr_build_def){.size = sizeof(kdr_build_def),
+                           .cost_traversal = 16,
+                           .cost_intersection = 1,
+                           .leaf_limit = 64,
+                           .depth_limit = 0,
+                           .reference_limit = 4};
+}
+
+/* A sentence about what is wrong with a def, or NULL. Comparisons are written so that NaN is wrong. */
+static const char *def_problem(const kdr_build_def *def) {
+    if (def->size != sizeof(kdr_build_def))
+        return "the build def was not made by kdr_default_build_def";
+    if (!(def->cost_traversal > 0 && def->cost_traversal <= 1e6f))
+        return "cost_traversal must be over 0 and at most 1,000,000";
+    if (!(def->cost_intersection > 0 && def->cost_intersection <= 1e6f))
+        return "cost_intersection must be over 0 and at most 1,000,000";
+    if (def->leaf_limit < 1)
+        return "leaf_limit must be at least 1";
+    if (def->depth_limit > KDR_MAX_DEPTH)
+        return "depth_limit must be at most 60";
+    if (!(def->reference_limit >= 1 && def->reference_limit <= 1e6f))
+        return "reference_limit must be at least 1 and at most 1,000,000";
+    return NULL;
+}
+
+static bool same_build(const kdr_build_def *a, const kdr_build_def *b) {
+    return a->cost_traversal == b->cost_traversal && a->cost_intersection == b->cost_intersection &&
+           a->leaf_limit == b->leaf_limit && a->depth_limit == b->depth_limit && a->reference_limit == b->reference_limit;
+}
+
+/* Numbers the triangles of all geometries; NULL when there is no memory or the total is over the limit. */
+static kdr_status number_triangles(kdr_scene *scene, uint32_t **out) {
+    kdr_device *device = scene->device;
+    uint32_t *first = kdr_alloc_array(&device->alloc, (size_t)scene->geometry_count + 1, sizeof *first, 64);
+    if (!first)
+        return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for %u geometries", scene->geometry_count);
+    uint64_t total = 0;
+    for (uint32_t g = 0; g < scene->geometry_count && total <= KDR_NODE_MAX_INDEX; g++) {
+        first[g] = (uint32_t)total;
+        total += scene->geometries[g].triangle_count;
+    }
+    if (total > KDR_NODE_MAX_INDEX) {
+        kdr_alloc_release(&device->alloc, first, ((size_t)scene->geometry_count + 1) * sizeof *first);
+        return kdr_device_fail(device, KDR_ERROR_LIMIT, "a scene has at most 2^30 - 1 triangles");
+    }
+    first[scene->geometry_count] = (uint32_t)total;
+    *out = first;
+    return KDR_OK;
+}
+
+/* Says which triangle has a vertex number that is out of range. */
+static kdr_status fail_invalid(const kdr_scene *scene, uint64_t invalid) {
+    for (uint32_t g = 0; g < scene->geometry_count; g++) {
+        const kdr_triangles_def *def = &scene->geometries[g];
+        for (uint32_t i = 0; i < def->triangle_count; i++) {
+            for (uint32_t j = 0; j < 3; j++) {
+                uint64_t vertex = 3 * (uint64_t)i + j;
+                if (def->indices)
+                    vertex = ((const uint32_t *)((const char *)def->indices + (size_t)i * def->index_stride))[j];
+                if (vertex >= def->vertex_count)
+                    return kdr_device_fail(scene->device, KDR_ERROR_INVALID_DATA,
+                                           "triangle %u of geometry %u has vertex %llu, but there are %zu (%llu such "
+                                           "triangles in all)",
+                                           i, g, (unsigned long long)vertex, def->vertex_count,
+                                           (unsigned long long)invalid);
+            }
+        }
+    }
+    return kdr_device_fail(scene->device, KDR_ERROR_INVALID_DATA, "vertex numbers changed while the commit ran");
+}
+
+kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
+    if (!scene)
+        return KDR_ERROR_INVALID_ARGUMENT;
+    kdr_device *device = scene->device;
+    kdr_build_def def = given ? *given : kdr_default_build_def();
+    const char *problem = def_problem(&def);
+    if (problem)
+        return kdr_device_fail(device, KDR_ERROR_INVALID_ARGUMENT, "%s", problem);
+    if (scene->committed && !scene->changed && same_build(&def, &scene->build))
+        return KDR_OK;
+
+    double start = kdr_cpu_seconds();
+    uint32_t *first = NULL;
+    kdr_status status = number_triangles(scene, &first);
+    if (status != KDR_OK)
+        return status;
+    kdr_triangles triangles = {scene->geometries, first, scene->geometry_count};
+    kdr_source source = kdr_triangles_source(&triangles);
+    kdr_plan plan = {.cost_traversal = def.cost_traversal,
+                     .cost_intersection = def.cost_intersection,
+                     .leaf_limit = def.leaf_limit,
+                     .depth_limit = def.depth_limit,
+                     .reference_limit = def.reference_limit,
+                     .wide = device->traversals->wants_wide};
+    kdr_tree tree;
+    kdr_source_counts counts;
+    status = kdr_build(device->workshop, &device->crew, device->isa, &source, &plan, &tree, &counts);
+    if (status != KDR_OK) {
+        kdr_alloc_release(&device->alloc, first, ((size_t)scene->geometry_count + 1) * sizeof *first);
+        if (status == KDR_ERROR_INVALID_DATA)
+            return fail_invalid(scene, counts.invalid);
+        return kdr_device_fail(device, status, "the tree of %u triangles was not built: %s", source.count,
+                               kdr_status_text(status));
+    }
+
+    /* Put the new tree in the place of the old one. */
+    kdr_tree_release(&scene->tree, &device->bulk);
+    kdr_alloc_release(&device->alloc, scene->first, ((size_t)scene->committed_count + 1) * sizeof *first);
+    scene->tree = tree;
+    scene->first = first;
+    scene->committed_count = scene->geometry_count;
+    scene->committed = true;
+    scene->changed = false;
+    scene->build = def;
+    scene->build_seconds = kdr_cpu_seconds() - start;
+    return KDR_OK;
+}

@@ -1,0 +1,98 @@
+#include "scene/scene.h"
+
+#include <string.h>
+
+kdr_triangles_def kdr_default_triangles_def(void) {
+    return (kdr_triangles_def){
+        .size = sizeof(kdr_triangles_def), .vertex_stride = 3 * sizeof(float), .index_stride = 3 * sizeof(uint32_t)};
+}
+
+kdr_status kdr_scene_create(kdr_device *device, kdr_scene **out) {
+    if (!device || !out)
+        return kdr_device_fail(device, KDR_ERROR_INVALID_ARGUMENT, "a scene needs a device and a place for its handle");
+    *out = NULL;
+    kdr_scene *scene = kdr_alloc_get(&device->alloc, sizeof *scene, 64);
+    if (!scene)
+        return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for a scene");
+    *scene = (kdr_scene){.device = device, .changed = true};
+    if (!kdr_tree_init_empty(&scene->tree, &device->bulk)) {
+        kdr_alloc_release(&device->alloc, scene, sizeof *scene);
+        return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for a scene");
+    }
+    *out = scene;
+    return KDR_OK;
+}
+
+void kdr_scene_destroy(kdr_scene *scene) {
+    if (!scene)
+        return;
+    kdr_alloc *alloc = &scene->device->alloc;
+    kdr_tree_release(&scene->tree, &scene->device->bulk);
+    kdr_alloc_release(alloc, scene->first, ((size_t)scene->committed_count + 1) * sizeof *scene->first);
+    kdr_alloc_release(alloc, scene->geometries, scene->geometry_capacity * sizeof *scene->geometries);
+    kdr_alloc_release(alloc, scene, sizeof *scene);
+}
+
+/* A sentence about what is wrong with a def, or NULL. */
+static const char *def_problem(const kdr_triangles_def *def) {
+    if (!def || def->size != sizeof(kdr_triangles_def))
+        return "the triangles def was not made by kdr_default_triangles_def";
+    if (def->vertex_stride < 12 || def->vertex_stride % 4 != 0)
+        return "vertex_stride must be a multiple of 4 and at least 12";
+    if (def->indices && (def->index_stride < 12 || def->index_stride % 4 != 0))
+        return "index_stride must be a multiple of 4 and at least 12";
+    if (def->vertex_count > UINT32_MAX || def->triangle_count > UINT32_MAX)
+        return "there may be at most 2^32 - 1 vertices and triangles";
+    if (!def->vertices && def->vertex_count > 0)
+        return "vertices is NULL but vertex_count is not 0";
+    return NULL;
+}
+
+kdr_status kdr_scene_add_triangles(kdr_scene *scene, const kdr_triangles_def *def, uint32_t *geometry) {
+    if (!scene)
+        return KDR_ERROR_INVALID_ARGUMENT;
+    const char *problem = def_problem(def);
+    if (problem)
+        return kdr_device_fail(scene->device, KDR_ERROR_INVALID_ARGUMENT, "%s", problem);
+    if (scene->geometry_count == UINT32_MAX - 1)
+        return kdr_device_fail(scene->device, KDR_ERROR_LIMIT, "a scene has at most 2^32 - 1 geometries");
+    if (scene->geometry_count == scene->geometry_capacity) {
+        size_t capacity = scene->geometry_capacity > 0 ? 2 * scene->geometry_capacity : 4;
+        kdr_alloc *alloc = &scene->device->alloc;
+        kdr_triangles_def *more = kdr_alloc_array(alloc, capacity, sizeof *more, 64);
+        if (!more)
+            return kdr_device_fail(scene->device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for %zu geometries", capacity);
+        if (scene->geometry_count > 0)
+            memcpy(more, scene->geometries, scene->geometry_count * sizeof *more);
+        kdr_alloc_release(alloc, scene->geometries, scene->geometry_capacity * sizeof *more);
+        scene->geometries = more;
+        scene->geometry_capacity = capacity;
+    }
+    if (geometry)
+        *geometry = scene->geometry_count;
+    scene->geometries[scene->geometry_count++] = *def;
+    scene->changed = true;
+    return KDR_OK;
+}
+
+kdr_status kdr_scene_set_triangles(kdr_scene *scene, uint32_t geometry, const kdr_triangles_def *def) {
+    if (!scene)
+        return KDR_ERROR_INVALID_ARGUMENT;
+    const char *problem = def_problem(def);
+    if (problem)
+        return kdr_device_fail(scene->device, KDR_ERROR_INVALID_ARGUMENT, "%s", problem);
+    if (geometry >= scene->geometry_count)
+        return kdr_device_fail(scene->device, KDR_ERROR_INVALID_ARGUMENT, "the scene has no geometry %u", geometry);
+    scene->geometries[geometry] = *def;
+    scene->changed = true;
+    return KDR_OK;
+}
+
+kdr_status kdr_scene_touch(kdr_scene *scene, uint32_t geometry) {
+    if (!scene)
+        return KDR_ERROR_INVALID_ARGUMENT;
+    if (geometry >= scene->geometry_count)
+        return kdr_device_fail(scene->device, KDR_ERROR_INVALID_ARGUMENT, "the scene has no geometry %u", geometry);
+    scene->changed = true;
+    return KDR_OK;
+}

@@ -1,0 +1,182 @@
+#include "tree/wide.h"
+
+#include <math.h>
+
+/* The subtree that becomes one wide node, while it is opened: inner nodes with their axes, members below them. */
+typedef struct opening {
+    struct {
+        uint32_t axis;
+        uint32_t side[2]; /* an inner node, or MEMBER | place */
+    } inner[KDR_WIDE];
+    uint32_t inner_count;
+    struct {
+        uint32_t node;  /* of the tree */
+        float area;     /* negative: a leaf */
+        uint32_t parent, which; /* its place below an inner node */
+    } member[KDR_WIDE];
+    uint32_t member_count;
+} opening;
+
+#define MEMBER 0x80000000u
+#define NOTHING UINT32_MAX
+
+typedef struct writer {
+    const kdr_tree *tree;
+    const kdr_box *boxes;
+    kdr_bulk *bulk;
+    kdr_wide_node *out; /* grows; NULL: memory ran out */
+    uint32_t count, capacity;
+} writer;
+
+static void put_member(const writer *w, opening *o, uint32_t place, uint32_t node, uint32_t parent, uint32_t which) {
+    bool leaf = kdr_node_is_leaf(w->tree->nodes[node]);
+    o->member[place].node = node;
+    o->member[place].area = leaf ? -1 : (float)kdr_box_area(&w->boxes[node]);
+    o->member[place].parent = parent;
+    o->member[place].which = which;
+    if (parent != NOTHING)
+        o->inner[parent].side[which] = MEMBER | place;
+}
+
+static bool holds_nothing(const writer *w, uint32_t node) {
+    kdr_node word = w->tree->nodes[node];
+    return kdr_node_is_leaf(word) && kdr_node_count(word) == 0;
+}
+
+/* Replaces a member by its two children; an empty leaf takes no place. */
+static void open_member(const writer *w, opening *o, uint32_t place) {
+    uint32_t node = o->member[place].node, parent = o->member[place].parent, which = o->member[place].which;
+    kdr_node word = w->tree->nodes[node];
+    uint32_t inner = o->inner_count++, left = kdr_node_child(word);
+    o->inner[inner].axis = kdr_node_axis(word);
+    o->inner[inner].side[0] = o->inner[inner].side[1] = NOTHING;
+    if (parent != NOTHING)
+        o->inner[parent].side[which] = inner;
+    bool free_place = true;
+    for (uint32_t side = 0; side < 2; side++) {
+        if (holds_nothing(w, left + side))
+            continue;
+        put_member(w, o, free_place ? place : o->member_count++, left + side, inner, side);
+        free_place = false;
+    }
+    if (free_place) {
+        /* Both were empty: close the gap with the last member. */
+        uint32_t last = --o->member_count;
+        if (place != last)
+            put_member(w, o, place, o->member[last].node, o->member[last].parent, o->member[last].which);
+    }
+}
+
+/* Opens the largest members until there are 16 or only leaves, and no more inner nodes than there is room for. */
+static void open_subtree(const writer *w, opening *o, uint32_t root) {
+    o->inner_count = 0;
+    o->member_count = 1;
+    put_member(w, o, 0, root, NOTHING, 0);
+    open_member(w, o, 0);
+    while (o->member_count < KDR_WIDE && o->inner_count < KDR_WIDE) {
+        uint32_t largest = NOTHING;
+        float area = -0.5f;
+        for (uint32_t i = 0; i < o->member_count; i++) {
+            if (o->member[i].area > area) {
+                area = o->member[i].area;
+                largest = i;
+            }
+        }
+        if (largest == NOTHING)
+            return;
+        open_member(w, o, largest);
+    }
+}
+
+static uint32_t members_below(const opening *o, uint32_t at) {
+    if (at == NOTHING)
+        return 0;
+    if (at & MEMBER)
+        return 1;
+    return members_below(o, o->inner[at].side[0]) + members_below(o, o->inner[at].side[1]);
+}
+
+/* Ranks for all eight octants at once: four bits each. Where the ray runs down the axis, the right side comes first. */
+static void rank_members(const opening *o, uint32_t at, uint32_t before, uint32_t rank[KDR_WIDE]) {
+    static const uint32_t down[3] = {0xf0f0f0f0u, 0xff00ff00u, 0xffff0000u};
+    if (at == NOTHING)
+        return;
+    if (at & MEMBER) {
+        rank[at & ~MEMBER] = before;
+        return;
+    }
+    uint32_t left = o->inner[at].side[0], right = o->inner[at].side[1], mask = down[o->inner[at].axis];
+    uint32_t left_count = members_below(o, left) * 0x11111111u, right_count = members_below(o, right) * 0x11111111u;
+    rank_members(o, left, before + (right_count & mask), rank);
+    rank_members(o, right, before + (left_count & ~mask), rank);
+}
+
+/* Moves the nodes written so far into memory for `capacity`. */
+static void change_capacity(writer *w, uint32_t capacity) {
+    size_t size = capacity * sizeof(kdr_wide_node);
+    kdr_wide_node *more = kdr_bulk_get(w->bulk, &size);
+    if (more && w->count > 0)
+        memcpy(more, w->out, w->count * sizeof *more);
+    kdr_bulk_put(w->bulk, w->out, w->capacity * sizeof *more);
+    w->out = more;
+    w->capacity = capacity;
+}
+
+/* Writes the wide node of a subtree and those below it; recursion is bounded by the depth limit. */
+static uint32_t write_node(writer *w, uint32_t root) {
+    opening o;
+    open_subtree(w, &o, root);
+    if (w->out && w->count == w->capacity)
+        change_capacity(w, w->capacity * 2);
+    if (!w->out)
+        return 0;
+    uint32_t index = w->count++;
+    kdr_wide_node *out = &w->out[index];
+    for (uint32_t i = 0; i < KDR_WIDE; i++) {
+        kdr_box box = i < o.member_count ? w->boxes[o.member[i].node] : kdr_box_empty();
+        for (int k = 0; k < 3; k++) {
+            out->lo[k][i] = box.lo[k];
+            out->hi[k][i] = box.hi[k];
+        }
+        out->child[i] = KDR_WIDE_LEAF;
+        out->rank[i] = 0;
+    }
+    rank_members(&o, 0, 0, out->rank);
+    for (uint32_t i = 0; i < o.member_count; i++) {
+        bool leaf = o.member[i].area < 0;
+        uint32_t child = leaf ? KDR_WIDE_LEAF | o.member[i].node : write_node(w, o.member[i].node);
+        if (!w->out)
+            return 0;
+        w->out[index].child[i] = child;
+    }
+    return index;
+}
+
+/* Boxes of interior nodes from those of their children, which have higher numbers. */
+static void join_boxes(const kdr_tree *tree, kdr_box *boxes) {
+    for (uint32_t i = tree->node_count; i-- > 0;) {
+        kdr_node node = tree->nodes[i];
+        if (kdr_node_is_leaf(node))
+            continue;
+        boxes[i] = boxes[kdr_node_child(node)];
+        kdr_box_add(&boxes[i], &boxes[kdr_node_child(node) + 1]);
+    }
+}
+
+bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_box *boxes) {
+    if (kdr_node_is_leaf(tree->nodes[0]))
+        return true;
+    join_boxes(tree, boxes);
+
+    /* A node opens up to 15 interior ones, and mostly does. */
+    uint32_t interiors = (tree->node_count - 2) / 2;
+    writer w = {.tree = tree, .boxes = boxes, .bulk = bulk};
+    change_capacity(&w, interiors / 8 + 16);
+    if (w.out)
+        write_node(&w, 0);
+    if (w.out && w.count < w.capacity)
+        change_capacity(&w, w.count);
+    tree->wide = w.out;
+    tree->wide_bytes = w.out ? w.count * sizeof *w.out : 0;
+    return w.out != NULL;
+}

@@ -1,0 +1,189 @@
+/* Closed meshes seen from inside: rays at vertices, at the middles of edges and at points of edges never slip through.
+ *
+ * Half of the meshes have their vertices on a lattice of 2^-11 and are seen from points of a lattice, so that the rays
+ * go through vertices and edges exactly. KDR_TEST_LONG=1 shoots ten million rays, else it is a part of that. */
+#include "support/closed_mesh.h"
+#include "support/everywhere.h"
+#include "support/soup.h"
+#include "support/test_size.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define RAYS_LONG 10000000
+#define RAYS_SHORT TEST_SIZE(1000000)
+#define RUN 1000        /* rays asked at once */
+#define ORACLE_SHARE 50 /* one run in so many is held against the oracle as well */
+#define SNAP 0x1p-11f
+
+typedef void origin_fn(test_random *random, float out[3]);
+
+/* Near the middle, on a lattice. */
+static void origin_in_ball(test_random *random, float out[3]) {
+    for (int axis = 0; axis < 3; axis++)
+        out[axis] = (float)((int)test_random_below(random, 65) - 32) * 0x1p-10f;
+}
+
+/* Near one of four points of the tube's middle. */
+static void origin_in_torus(test_random *random, float out[3]) {
+    origin_in_ball(random, out);
+    uint32_t side = test_random_below(random, 4);
+    out[side % 2] += side < 2 ? 1 : -1;
+}
+
+/* The target of a ray: 0 a vertex, 1 the middle of an edge, 2 a point of an edge. */
+static void choose_target(test_random *random, const closed_mesh *mesh, uint32_t kind, float out[3]) {
+    const uint32_t *corners = mesh->indices + 3 * test_random_below(random, (uint32_t)mesh->triangle_count);
+    uint32_t turn = test_random_below(random, 3);
+    const float *a = mesh->vertices + 3 * (size_t)corners[turn];
+    const float *b = mesh->vertices + 3 * (size_t)corners[(turn + 1) % 3];
+    float s = kind == 0 ? 0 : kind == 1 ? 0.5f : test_random_float(random);
+    for (int axis = 0; axis < 3; axis++)
+        out[axis] = a[axis] * (1 - s) + b[axis] * s;
+}
+
+typedef struct shooting {
+    const closed_mesh *mesh;
+    const kdr_scene *scene;
+    const oracle_tree *tree;
+    origin_fn *origin;
+    uint64_t sequence;
+    _Atomic uint64_t misses;
+} shooting;
+
+static void shoot_run(void *context, uint32_t index) {
+    shooting *shot = context;
+    test_random random = test_random_start(test_random_seed(), shot->sequence + index);
+    kdr_ray rays[RUN];
+    kdr_ray_hit hits[RUN];
+    uint8_t occluded[RUN];
+    for (uint32_t i = 0; i < RUN; i++) {
+        float o[3], target[3];
+        shot->origin(&random, o);
+        choose_target(&random, shot->mesh, i % 3, target);
+        rays[i] = (kdr_ray){.origin_x = o[0], .origin_y = o[1], .origin_z = o[2], .direction_x = target[0] - o[0],
+                            .direction_y = target[1] - o[1], .direction_z = target[2] - o[2], .tmax = INFINITY};
+        hits[i].ray = rays[i];
+    }
+    kdr_intersect_n(shot->scene, NULL, hits, RUN);
+    kdr_occluded_n(shot->scene, NULL, rays, occluded, RUN);
+    for (uint32_t i = 0; i < RUN; i++) {
+        if (hits[i].hit.geometry != KDR_INVALID_ID && occluded[i] == 1)
+            continue;
+        if (atomic_fetch_add(&shot->misses, 1) < 5) {
+            printf("a ray slipped through: closest %u, any %u\n", hits[i].hit.geometry, occluded[i]);
+            query_print_ray(&rays[i]);
+        }
+    }
+    if (index % ORACLE_SHARE == 0) {
+        query_sheet sheet = query_sheet_create(shot->tree, rays, RUN);
+        if (sheet.hit_count != RUN || query_sheet_differences(&sheet, shot->scene, "closed mesh") > 0)
+            atomic_fetch_add(&shot->misses, 1);
+        query_sheet_destroy(&sheet);
+    }
+}
+
+/* Shoots on every instruction set, most of the rays on the widest. */
+static void assert_no_miss(closed_mesh mesh, origin_fn *origin, uint64_t sequence) {
+    uint32_t runs = (uint32_t)(test_is_long() ? RAYS_LONG : RAYS_SHORT) / RUN / 6;
+    kdr_triangles_def def = closed_mesh_def(&mesh);
+    oracle_scene oracle = oracle_scene_create(&def, 1);
+    oracle_tree tree = oracle_tree_create(&oracle);
+    kdr_device *widest;
+    assert_int_equal(kdr_device_create(NULL, &widest), KDR_OK);
+    kdr_isa last = kdr_device_isa(widest);
+    kdr_device_destroy(widest);
+    for (int isa = KDR_ISA_SCALAR; isa <= (int)last; isa++) {
+        kdr_device *device = device_of_isa((kdr_isa)isa, 0, NULL);
+        if (!device)
+            continue;
+        kdr_scene *scene = committed_scene(device, &def, 1, NULL);
+        shooting shot = {&mesh, scene, &tree, origin, sequence << 32, 0};
+        kdr_device_run(device, shoot_run, &shot, isa == (int)last ? runs : runs / 10 + 1);
+        assert_int_equal(shot.misses, 0);
+        kdr_scene_destroy(scene);
+        kdr_device_destroy(device);
+    }
+    oracle_tree_destroy(&tree);
+    oracle_scene_destroy(&oracle);
+    closed_mesh_destroy(&mesh);
+}
+
+static void no_ray_leaves_a_geodesic_sphere(void **state) {
+    (void)state;
+    assert_no_miss(closed_mesh_sphere(30), origin_in_ball, 1);
+}
+
+static void no_ray_leaves_a_geodesic_sphere_through_exact_vertices_and_edges(void **state) {
+    (void)state;
+    closed_mesh mesh = closed_mesh_sphere(20);
+    closed_mesh_snap(&mesh, SNAP);
+    assert_no_miss(mesh, origin_in_ball, 2);
+}
+
+static void no_ray_leaves_a_torus(void **state) {
+    (void)state;
+    assert_no_miss(closed_mesh_torus(150, 70), origin_in_torus, 3);
+}
+
+static void no_ray_leaves_a_torus_through_exact_vertices_and_edges(void **state) {
+    (void)state;
+    closed_mesh mesh = closed_mesh_torus(100, 50);
+    closed_mesh_snap(&mesh, SNAP);
+    assert_no_miss(mesh, origin_in_torus, 4);
+}
+
+static void no_ray_leaves_a_blob(void **state) {
+    (void)state;
+    assert_no_miss(closed_mesh_blob(40), origin_in_ball, 5);
+}
+
+static void no_ray_leaves_a_blob_through_exact_vertices_and_edges(void **state) {
+    (void)state;
+    closed_mesh mesh = closed_mesh_blob(25);
+    closed_mesh_snap(&mesh, SNAP);
+    assert_no_miss(mesh, origin_in_ball, 6);
+}
+
+/* Every edge belongs to two triangles that run along it in opposite directions. */
+static void the_meshes_of_this_test_are_closed(void **state) {
+    (void)state;
+    closed_mesh meshes[] = {closed_mesh_sphere(7), closed_mesh_torus(11, 9), closed_mesh_blob(7)};
+    for (size_t m = 0; m < sizeof(meshes) / sizeof(meshes[0]); m++) {
+        const closed_mesh *mesh = &meshes[m];
+        size_t edge_count = 3 * mesh->triangle_count;
+        for (size_t i = 0; i < edge_count; i++) {
+            const float *from = mesh->vertices + 3 * (size_t)mesh->indices[i];
+            const float *to = mesh->vertices + 3 * (size_t)mesh->indices[i / 3 * 3 + (i + 1) % 3];
+            int back = 0;
+            for (size_t k = 0; k < edge_count; k++) {
+                const float *other_from = mesh->vertices + 3 * (size_t)mesh->indices[k];
+                const float *other_to = mesh->vertices + 3 * (size_t)mesh->indices[k / 3 * 3 + (k + 1) % 3];
+                back += memcmp(from, other_to, 12) == 0 && memcmp(to, other_from, 12) == 0;
+            }
+            assert_int_equal(back, 1);
+        }
+        closed_mesh_destroy(&meshes[m]);
+    }
+}
+
+int main(void) {
+    test_random_seed();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_meshes_of_this_test_are_closed),
+        cmocka_unit_test(no_ray_leaves_a_geodesic_sphere),
+        cmocka_unit_test(no_ray_leaves_a_geodesic_sphere_through_exact_vertices_and_edges),
+        cmocka_unit_test(no_ray_leaves_a_torus),
+        cmocka_unit_test(no_ray_leaves_a_torus_through_exact_vertices_and_edges),
+        cmocka_unit_test(no_ray_leaves_a_blob),
+        cmocka_unit_test(no_ray_leaves_a_blob_through_exact_vertices_and_edges),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
