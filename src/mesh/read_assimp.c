@@ -216,11 +216,11 @@ static kdr_status import_scene(const kdr_source *source, const struct aiScene *s
                                kdr_mesh **out) {
     if (!scene->mRootNode)
         return kdr_source_fail(source, KDR_ERROR_INVALID_DATA, "expected a scene with a root node");
-    import in = {.source = source, .scene = scene};
+import in = {.source = source, .scene = scene };
     for (unsigned i = 0; i < scene->mNumMeshes; i++)
         in.has_normals |= scene->mMeshes[i]->mNormals != NULL;
-    kdr_status status = kdr_mesh_create(0, 0, (in.has_normals ? KDR_MESH_NORMALS : 0) | KDR_MESH_MATERIALS, format,
-                                        &in.mesh);
+    kdr_status status =
+        kdr_mesh_create(0, 0, (in.has_normals ? KDR_MESH_NORMALS : 0) | KDR_MESH_MATERIALS, format, &in.mesh);
     if (status != KDR_OK)
         return kdr_source_fail_status(source, status);
 

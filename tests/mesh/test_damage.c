@@ -30,11 +30,12 @@ static const char *make_sample(int number, byte_list *out) {
         sample_stl_binary(out);
         return "t.stl";
     case 6:
-        put_text(out, "ply\nformat ascii 1.0\nelement face 2\nproperty uchar red\nproperty list uchar int vertex_index\n"
-                      "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
-                      "property float ny\nproperty float nz\nelement tristrips 1\n"
-                      "property list int int vertex_indices\nend_header\n7 4 0 1 2 3\n9 3 0 1 2\n-2 -2 0 0 0 0\n"
-                      "2 0 0 0 0 1\nnan 2 0 1 0 0\n-1 0 0 0 2 0\n8 0 1 2 3 -1 0 1 2\n");
+        put_text(out,
+                 "ply\nformat ascii 1.0\nelement face 2\nproperty uchar red\nproperty list uchar int vertex_index\n"
+                 "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
+                 "property float ny\nproperty float nz\nelement tristrips 1\n"
+                 "property list int int vertex_indices\nend_header\n7 4 0 1 2 3\n9 3 0 1 2\n-2 -2 0 0 0 0\n"
+                 "2 0 0 0 0 1\nnan 2 0 1 0 0\n-1 0 0 0 2 0\n8 0 1 2 3 -1 0 1 2\n");
         return "t.ply";
     default: {
         byte_list plain = {.length = 0};
@@ -119,8 +120,9 @@ static void a_file_with_changed_bytes_is_refused_or_read_soundly(void **state) {
 /* Numbers that are likely to be written into headers by mistake or malice. */
 static void a_file_with_other_numbers_is_refused_or_read_soundly(void **state) {
     (void)state;
-    static const char *const numbers[] = {"0", "-1", "5", "255", "65536", "2147483648", "4294967295", "4294967296",
-                                          "18446744073709551615", "1e9", "nan", "x"};
+    static const char *const numbers[] = {
+        "0",   "-1",  "5", "255", "65536", "2147483648", "4294967295", "4294967296", "18446744073709551615",
+        "1e9", "nan", "x"};
     for (int sample = 0; sample < SAMPLES; sample++) {
         byte_list file;
         const char *name = make_sample(sample, &file);

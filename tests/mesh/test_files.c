@@ -203,9 +203,9 @@ static void a_pipe_is_read_to_its_end(void **state) {
 
 static void a_name_of_a_builtin_scene_is_taken_apart(void **state) {
     (void)state;
-    static const char *const wrong[] = {"builtin:city:", "builtin:city:many", "builtin:city:-5", "builtin:city:100:",
-                                        "builtin:city:100:soon", "builtin:city:100:nan", "builtin:city:100:1:2",
-                                        "builtin:city:100x"};
+    static const char *const wrong[] = {"builtin:city:",        "builtin:city:many",     "builtin:city:-5",
+                                        "builtin:city:100:",    "builtin:city:100:soon", "builtin:city:100:nan",
+                                        "builtin:city:100:1:2", "builtin:city:100x"};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         kdr_mesh *mesh;
         heard = (told){0};

@@ -20,8 +20,8 @@ static void a_tetrahedron_reads_the_same_in_all_three_formats(void **state) {
     }
 }
 
-static const char *const type_names[][2] = {{"char", "int8"},  {"uchar", "uint8"}, {"short", "int16"},
-                                            {"ushort", "uint16"}, {"int", "int32"}, {"uint", "uint32"},
+static const char *const type_names[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                                            {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
                                             {"float", "float32"}, {"double", "float64"}};
 
 /* A whole number as any scalar type. */
@@ -97,9 +97,10 @@ static void faces_before_the_vertices_are_cut_by_their_shape(void **state) {
     (void)state;
     // An arrow head: the last corner looks inward, and a fan from the first one would reach outside.
     static const uint32_t wanted[2][3] = {{3, 0, 1}, {1, 2, 3}};
-    kdr_mesh *mesh = read_text("t.ply", "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
-                                        "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-                                        "end_header\n4 0 1 2 3\n-2 -2 0\n2 0 0\n-2 2 0\n-1 0 0\n");
+    kdr_mesh *mesh =
+        read_text("t.ply", "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+                           "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                           "end_header\n4 0 1 2 3\n-2 -2 0\n2 0 0\n-2 2 0\n-1 0 0\n");
     expect_indices(mesh, 2, wanted);
     close_mesh(mesh);
 }
@@ -155,10 +156,11 @@ static void normals_are_made_unit_length_and_filled_in_where_they_are_zero(void 
 static void triangles_of_infinite_vertices_are_dropped_counted_and_told(void **state) {
     (void)state;
     static const uint32_t wanted[1][3] = {{0, 1, 2}};
-    kdr_mesh *mesh = read_text("t.ply", "ply\nformat ascii 1.0\nelement vertex 7\nproperty double x\nproperty double y\n"
-                                        "property double z\nelement face 4\nproperty list uchar int vertex_indices\n"
-                                        "end_header\n0 0 0\n1 0 0\n0 1 0\nnan 0 0\n0 -inf 0\n0 0 1e39\n-NaN 1 1\n"
-                                        "3 0 1 3\n3 0 1 2\n3 3 4 1\n3 5 0 1\n");
+    kdr_mesh *mesh =
+        read_text("t.ply", "ply\nformat ascii 1.0\nelement vertex 7\nproperty double x\nproperty double y\n"
+                           "property double z\nelement face 4\nproperty list uchar int vertex_indices\n"
+                           "end_header\n0 0 0\n1 0 0\n0 1 0\nnan 0 0\n0 -inf 0\n0 0 1e39\n-NaN 1 1\n"
+                           "3 0 1 3\n3 0 1 2\n3 3 4 1\n3 5 0 1\n");
     expect_indices(mesh, 1, wanted);
     assert_int_equal(mesh->dropped_count, 3);
     assert_int_equal(mesh->dropped_vertex_count, 3); // the last vertex harms no triangle
@@ -196,7 +198,7 @@ static void bytes_after_the_last_element_are_told(void **state) {
     close_mesh(mesh);
 }
 
-#define VERTICES                                                                                                     \
+#define VERTICES                                                                                                       \
     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
 #define HEAD VERTICES "property list uchar int vertex_indices\nend_header\n"
 
@@ -208,13 +210,15 @@ static void a_wrong_header_names_its_line_and_what_was_expected(void **state) {
     expect_text_refused("t.ply", "ply\nformat text 1.0\n", "line 2: expected ascii, binary_little_endian or");
     expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement vertex -2\n", "line 3: expected an element's name");
     expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement vertex x\n", "found 'x'");
-    expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement a 1\nelement a 1\n", "line 4: expected another element");
+    expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement a 1\nelement a 1\n",
+                        "line 4: expected another element");
     expect_text_refused("t.ply", "ply\nformat ascii 1.0\nproperty int a\n", "line 3: expected an element before");
     expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement a 1\nproperty integer b\n", "found 'integer'");
     expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement a 1\nproperty list float int b\n", "a whole type");
     expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement a 1\nproperty int\n", "line 4: expected a property's");
     expect_text_refused("t.ply", "ply\nformat ascii 1.0\nvertices 3\n", "line 3: expected comment, format, element");
-    expect_text_refused("t.ply", "ply\nformat ascii 1.0 again\n", "line 2: expected the end of the line, found 'again'");
+    expect_text_refused("t.ply", "ply\nformat ascii 1.0 again\n",
+                        "line 2: expected the end of the line, found 'again'");
     expect_text_refused("t.ply", VERTICES "property int v\nend_header\n0 0 0\n1 0 0\n0 1 0\n3\n",
                         "line 7: expected 'face' to have a list");
     expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n",
@@ -228,10 +232,12 @@ static void a_wrong_text_body_names_its_line_and_what_was_expected(void **state)
     expect_text_refused("t.ply", HEAD "0 0 0\n1 0\n0 1 0\n3 0 1 2\n", "line 11: expected a number, found the end");
     expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0 4\n0 1 0\n3 0 1 2\n", "line 11: expected the end of the line");
     expect_text_refused("t.ply", HEAD "0 0 0\n1 x 0\n0 1 0\n3 0 1 2\n", "line 11: expected a number, found 'x'");
-    expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "line 13: expected a vertex number below 3, found 3");
+    expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
+                        "line 13: expected a vertex number below 3, found 3");
     expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 -1 2\n", "found -1");
     expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 0.5 2\n", "found 0.5");
-    expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", "line 13: expected the count of a list, found -3");
+    expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n",
+                        "line 13: expected the count of a list, found -3");
     expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\nnan 0 1 2\n", "expected the count of a list, found nan");
     expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n900 0 1 2\n", "line 13: expected a list of 900 values");
     expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n\n\n", "row 1 of 1 of 'face'");
@@ -275,9 +281,10 @@ static void a_huge_count_in_a_small_file_takes_no_memory(void **state) {
                      format, counts[i]);
             atomic_store(&kdr_mesh_memory()->peak_bytes, 0);
             expect_text_refused("t.ply", text, "expected");
-            snprintf(text, sizeof text,
-                     "ply\nformat %s 1.0\nelement face %s\nproperty list uchar int vertex_indices\nend_header\n3 0 0 0\n",
-                     format, counts[i]);
+            snprintf(
+                text, sizeof text,
+                "ply\nformat %s 1.0\nelement face %s\nproperty list uchar int vertex_indices\nend_header\n3 0 0 0\n",
+                format, counts[i]);
             expect_text_refused("t.ply", text, "expected");
             assert_true(kdr_mesh_memory()->peak_bytes < 4096);
         }
