@@ -11,6 +11,7 @@
 #ifdef KDR_WITH_ASSIMP
 
 #include "mesh/assimp_files.h"
+#include "mesh/glb_frame.h"
 #include "mesh/mesh.h"
 #include "mesh/mesh_memory.h"
 
@@ -245,11 +246,29 @@ import in = {.source = source, .scene = scene };
     return KDR_OK;
 }
 
+/* What the name or the first bytes promise must be there: where it is not, assimp tries all of its formats in turn. */
+static kdr_status check_content(const kdr_source *source) {
+    if (kdr_source_is_glb(source))
+        return kdr_glb_check_frame(source);
+    if (kdr_source_has_ending(source, "glb"))
+        return kdr_source_fail_byte(source, 0, "expected 'glTF' as the first four bytes of a GLB");
+    if (kdr_source_has_ending(source, "gltf")) {
+        size_t byte = 0;
+        while (byte < source->length && memchr(" \t\r\n\xef\xbb\xbf", source->bytes[byte], 7))
+            byte++;
+        if (byte == source->length || source->bytes[byte] != '{')
+            return kdr_source_fail_byte(source, byte, "expected '{', which begins the JSON of a glTF file");
+    }
+    return KDR_OK;
+}
+
 kdr_status kdr_read_assimp(const kdr_source *source, kdr_mesh **out) {
     *out = NULL;
     char ending[MAX_ENDING + 1], name[PATH_MAX], format[32];
-    bool is_glb = source->length >= 4 && memcmp(source->bytes, "glTF", 4) == 0;
-    if (is_glb || !find_ending(source, ending))
+    kdr_status status = check_content(source);
+    if (status != KDR_OK)
+        return status;
+    if (kdr_source_is_glb(source) || !find_ending(source, ending))
         snprintf(ending, sizeof ending, ".glb");
     size_t folder = 0;
     for (size_t i = 0; source->name[i]; i++)
@@ -269,7 +288,7 @@ kdr_status kdr_read_assimp(const kdr_source *source, kdr_mesh **out) {
     if (!scene)
         return kdr_source_fail(source, KDR_ERROR_INVALID_DATA, "expected a file that assimp reads: %s",
                                aiGetErrorString());
-    kdr_status status = import_scene(source, scene, format, out);
+    status = import_scene(source, scene, format, out);
     aiReleaseImport(scene);
     return status;
 }
