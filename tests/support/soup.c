@@ -42,7 +42,10 @@ static void scale(float *triangles, size_t count, float factor) {
         triangles[i] *= factor;
 }
 
-static void fill_small(test_random *random, float *triangles, size_t count) { fill_cube(random, triangles, count, 0.05f); }
+static void fill_small(test_random *random, float *triangles, size_t count) {
+    fill_cube(random, triangles, count, 0.05f);
+}
+
 static void fill_large(test_random *random, float *triangles, size_t count) { fill_cube(random, triangles, count, 1); }
 
 /* Corners on a coarse grid: shared vertices and edges, coplanar and zero-area triangles, duplicates. */
