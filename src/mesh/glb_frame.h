@@ -1,4 +1,4 @@
-/* The frame of a GLB file, checked before assimp believes its lengths. */
+/* The frame of a GLB file, read and checked before assimp believes its lengths. */
 #ifndef KDR_MESH_GLB_FRAME_H
 #define KDR_MESH_GLB_FRAME_H
 
@@ -6,8 +6,14 @@
 
 bool kdr_source_is_glb(const kdr_source *source);
 
+/* Where the parts of a GLB lie, bytes from its beginning. */
+typedef struct kdr_glb_frame {
+    size_t json_begin, json_end;
+    size_t binary_length; /* 0: no binary chunk */
+} kdr_glb_frame;
+
 /* Walks header and chunks: every length must fit into the file. Errors: INVALID_DATA with the byte of the length,
- * UNSUPPORTED (a version other than 1 and 2). */
-kdr_status kdr_glb_check_frame(const kdr_source *source);
+ * UNSUPPORTED (a version other than 2). */
+kdr_status kdr_glb_read_frame(const kdr_source *source, kdr_glb_frame *out);
 
 #endif

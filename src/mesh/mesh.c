@@ -20,7 +20,7 @@ typedef struct owned_mesh {
 static owned_mesh *own(kdr_mesh *mesh) { return (owned_mesh *)mesh; }
 static const owned_mesh *own_const(const kdr_mesh *mesh) { return (const owned_mesh *)mesh; }
 
-#define VERTEX_BYTES   (3 * sizeof(float))
+#define VERTEX_BYTES (3 * sizeof(float))
 #define TRIANGLE_BYTES (3 * sizeof(uint32_t))
 
 static void *take(size_t count, size_t size) {

@@ -6,7 +6,7 @@
 #include "mesh/text.h"
 
 /* More than any known writer uses; files beyond are refused with LIMIT. */
-#define KDR_PLY_MAX_ELEMENTS   32
+#define KDR_PLY_MAX_ELEMENTS 32
 #define KDR_PLY_MAX_PROPERTIES 384
 
 typedef enum kdr_ply_type {

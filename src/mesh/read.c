@@ -64,7 +64,7 @@ kdr_status kdr_mesh_read_source(const kdr_source *source, kdr_mesh **out) {
     return status;
 }
 
-#define BUILTIN          "builtin:"
+#define BUILTIN "builtin:"
 #define MAX_BUILTIN_NAME 63
 
 /* NAME[:TRIANGLES[:TIME]] */

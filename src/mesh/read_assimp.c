@@ -12,6 +12,7 @@
 
 #include "mesh/assimp_files.h"
 #include "mesh/glb_frame.h"
+#include "mesh/gltf_check.h"
 #include "mesh/mesh.h"
 #include "mesh/mesh_memory.h"
 
@@ -246,20 +247,17 @@ import in = {.source = source, .scene = scene };
     return KDR_OK;
 }
 
-/* What the name or the first bytes promise must be there: where it is not, assimp tries all of its formats in turn. */
+/* glTF is checked through and through. Where it does not even look like glTF, assimp would try all of its formats. */
 static kdr_status check_content(const kdr_source *source) {
-    if (kdr_source_is_glb(source))
-        return kdr_glb_check_frame(source);
+    if (kdr_source_is_glb(source)) {
+        kdr_glb_frame frame;
+        kdr_status status = kdr_glb_read_frame(source, &frame);
+        return status == KDR_OK ? kdr_gltf_check(source, frame.json_begin, frame.json_end, frame.binary_length)
+                                : status;
+    }
     if (kdr_source_has_ending(source, "glb"))
         return kdr_source_fail_byte(source, 0, "expected 'glTF' as the first four bytes of a GLB");
-    if (kdr_source_has_ending(source, "gltf")) {
-        size_t byte = 0;
-        while (byte < source->length && memchr(" \t\r\n\xef\xbb\xbf", source->bytes[byte], 7))
-            byte++;
-        if (byte == source->length || source->bytes[byte] != '{')
-            return kdr_source_fail_byte(source, byte, "expected '{', which begins the JSON of a glTF file");
-    }
-    return KDR_OK;
+    return kdr_source_has_ending(source, "gltf") ? kdr_gltf_check(source, 0, source->length, 0) : KDR_OK;
 }
 
 kdr_status kdr_read_assimp(const kdr_source *source, kdr_mesh **out) {

@@ -15,8 +15,8 @@
 #include <string.h>
 
 #define HEADER_BYTES 84
-#define COUNT_BYTE   80
-#define FACET_BYTES  50
+#define COUNT_BYTE 80
+#define FACET_BYTES 50
 #define NORMAL_BYTES 12
 
 static uint32_t little_endian_word(const unsigned char *p) {

@@ -8,7 +8,7 @@
 #include <zlib.h>
 
 /* Deflate packs at best 1,032 bytes into one. */
-#define MOST_PER_BYTE  1032
+#define MOST_PER_BYTE 1032
 #define LEAST_CAPACITY ((size_t)4 << 10)
 
 bool kdr_bytes_are_gzip(const unsigned char *bytes, size_t length) {
