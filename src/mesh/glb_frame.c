@@ -36,16 +36,18 @@ kdr_status kdr_glb_read_frame(const kdr_source *source, kdr_glb_frame *out) {
         return kdr_source_fail(source, KDR_ERROR_UNSUPPORTED, "byte 4: expected GLB version 2, found %u", version);
     kdr_status status = check_length(source, 8, source->length, "the file");
     size_t byte = HEADER_BYTES, end = status == KDR_OK ? word_at(source, 8) : 0;
-    *out = (kdr_glb_frame){0, 0, 0};
+    *out = (kdr_glb_frame){0};
     for (int chunk = 0; status == KDR_OK && end > byte && end - byte >= CHUNK_HEADER_BYTES; chunk++) {
         status = check_length(source, byte, end - byte - CHUNK_HEADER_BYTES, "a chunk");
         if (status != KDR_OK)
             return status;
         size_t length = word_at(source, byte), begin = byte + CHUNK_HEADER_BYTES;
         if (chunk == 0 && word_at(source, byte + 4) == JSON_TYPE)
-            *out = (kdr_glb_frame){begin, begin + length, 0};
-        if (chunk == 1 && word_at(source, byte + 4) == BINARY_TYPE)
+            *out = (kdr_glb_frame){.json_begin = begin, .json_end = begin + length};
+        if (chunk == 1 && word_at(source, byte + 4) == BINARY_TYPE) {
+            out->binary_begin = begin;
             out->binary_length = length;
+        }
         byte = begin + length;
     }
     if (status == KDR_OK && out->json_begin == 0)

@@ -9,7 +9,7 @@ bool kdr_source_is_glb(const kdr_source *source);
 /* Where the parts of a GLB lie, bytes from its beginning. */
 typedef struct kdr_glb_frame {
     size_t json_begin, json_end;
-    size_t binary_length; /* 0: no binary chunk */
+    size_t binary_begin, binary_length; /* length 0: no binary chunk */
 } kdr_glb_frame;
 
 /* Walks header and chunks: every length must fit into the file. Errors: INVALID_DATA with the byte of the length,

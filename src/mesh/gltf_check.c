@@ -113,7 +113,8 @@ static kdr_status check_view(kdr_gltf *gltf, const kdr_json_value *object, size_
         return status;
     if (buffer == KDR_INVALID_ID || length == 0 || offset + length > gltf->buffers[buffer])
         return kdr_gltf_fail(gltf, object, "a view of at least one byte that lies in its buffer");
-    gltf->views[number] = (kdr_gltf_view){length, stride};
+    bool is_here = buffer == 0 && !kdr_json_find(&gltf->json, kdr_json_first(&gltf->json, gltf->lists[0]), "uri");
+    gltf->views[number] = (kdr_gltf_view){length, stride, is_here ? gltf->binary_begin + offset : 0};
     return KDR_OK;
 }
 
@@ -198,8 +199,13 @@ static kdr_status check_accessor(kdr_gltf *gltf, const kdr_json_value *object, s
                                object->byte);
     if (!fits(&gltf->views[view], offset, count, bytes))
         return kdr_gltf_fail(gltf, object, "an accessor whose values lie in its view");
-    gltf->accessors[number] = (kdr_gltf_accessor){count, (uint32_t)component, width};
     const kdr_json_value *sparse = kdr_json_find(&gltf->json, object, "sparse");
+    const kdr_gltf_view *from = &gltf->views[view];
+    gltf->accessors[number] = (kdr_gltf_accessor){.count = count,
+                                                  .begin = from->begin && !sparse ? from->begin + offset : 0,
+                                                  .stride = from->stride ? from->stride : bytes,
+                                                  .component = (uint32_t)component,
+                                                  .width = width};
     return sparse ? check_sparse(gltf, sparse, count, bytes) : KDR_OK;
 }
 
@@ -245,9 +251,9 @@ static kdr_status check_all(kdr_gltf *gltf) {
     return status;
 }
 
-kdr_status kdr_gltf_check(const kdr_source *source, size_t begin, size_t end, uint64_t binary_length) {
-    kdr_gltf gltf = {.source = source, .binary_length = binary_length};
-    kdr_status status = kdr_json_read(source, begin, end, &gltf.json);
+kdr_status kdr_gltf_check(const kdr_source *source, const kdr_glb_frame *frame) {
+    kdr_gltf gltf = {.source = source, .binary_begin = frame->binary_begin, .binary_length = frame->binary_length};
+    kdr_status status = kdr_json_read(source, frame->json_begin, frame->json_end, &gltf.json);
     if (status == KDR_OK) {
         gltf.root = &gltf.json.values[0];
         status = check_all(&gltf);

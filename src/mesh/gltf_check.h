@@ -2,6 +2,7 @@
 #ifndef KDR_MESH_GLTF_CHECK_H
 #define KDR_MESH_GLTF_CHECK_H
 
+#include "mesh/glb_frame.h"
 #include "mesh/json.h"
 
 /* Lists of the root; every other number in the file counts into one of them. */
@@ -23,10 +24,13 @@ typedef enum kdr_gltf_list {
 
 typedef struct kdr_gltf_view {
     uint64_t length, stride; /* bytes; stride 0: one after the other */
+    uint64_t begin;          /* in the source; 0: in another file, or in text */
 } kdr_gltf_view;
 
 typedef struct kdr_gltf_accessor {
     uint64_t count;
+    uint64_t begin;     /* in the source; 0: elsewhere, or changed by sparse values */
+    uint64_t stride;    /* from one to the next, bytes */
     uint32_t component; /* 5126: float, ... */
     uint32_t width;     /* components of one: 1 to 4, 9, 16; 5 for matrices of 2 rows, to tell them from vectors */
 } kdr_gltf_accessor;
@@ -41,7 +45,8 @@ typedef struct kdr_gltf {
     const kdr_source *source;
     kdr_json json;
     const kdr_json_value *root;
-    uint64_t binary_length; /* of the GLB's binary chunk; 0: none */
+    uint64_t binary_begin;  /* of the GLB's binary chunk, in the source */
+    uint64_t binary_length; /* 0: none */
     const kdr_json_value *lists[KDR_GLTF_LISTS];
     size_t counts[KDR_GLTF_LISTS];
     uint64_t *buffers; /* their lengths in bytes */
@@ -70,7 +75,8 @@ kdr_status kdr_gltf_check_meshes(const kdr_gltf *gltf);
 kdr_status kdr_gltf_check_nodes(const kdr_gltf *gltf);
 kdr_status kdr_gltf_check_motion(const kdr_gltf *gltf);
 
-/* Checks the JSON between two bytes of the source. Errors: INVALID_DATA, UNSUPPORTED, LIMIT, OUT_OF_MEMORY. */
-kdr_status kdr_gltf_check(const kdr_source *source, size_t begin, size_t end, uint64_t binary_length);
+/* Checks the JSON and the vertex numbers of meshes in the frame of a GLB; of a .gltf, json_begin is 0 and there is no
+ * binary chunk. Errors: INVALID_DATA, UNSUPPORTED, LIMIT, OUT_OF_MEMORY. */
+kdr_status kdr_gltf_check(const kdr_source *source, const kdr_glb_frame *frame);
 
 #endif

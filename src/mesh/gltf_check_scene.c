@@ -58,6 +58,33 @@ static kdr_status check_attributes(const kdr_gltf *gltf, const kdr_json_value *a
     return KDR_OK;
 }
 
+/* Vertex numbers that lie in this file are compared with the count of vertices. Of those that lie elsewhere assimp
+ * leaves out the triangles that are wrong, but for loops and fans it does so at the price of a crash. */
+static kdr_status check_indices(const kdr_gltf *gltf, const kdr_json_value *primitive, const kdr_gltf_accessor *indices,
+                                uint64_t vertex_count, uint64_t mode) {
+    size_t bytes = indices->component == KDR_GLTF_UBYTE    ? 1
+                   : indices->component == KDR_GLTF_USHORT ? 2
+                   : indices->component == KDR_GLTF_UINT   ? 4
+                                                           : 0;
+    if (bytes == 0 || indices->width != 1)
+        return kdr_gltf_fail(gltf, primitive, "'indices' to be whole numbers");
+    if (indices->begin == 0)
+        return mode == 4 || mode < 2
+                   ? KDR_OK
+                   : kdr_source_fail(gltf->source, KDR_ERROR_UNSUPPORTED,
+                                     "byte %zu: expected strips, loops and fans in a GLB only", primitive->byte);
+    for (uint64_t i = 0; i < indices->count; i++) {
+        size_t byte = (size_t)(indices->begin + i * indices->stride);
+        uint32_t number = 0;
+        for (size_t k = 0; k < bytes; k++)
+            number |= (uint32_t)gltf->source->bytes[byte + k] << 8 * k;
+        if (number >= vertex_count)
+            return kdr_source_fail_byte(gltf->source, byte, "expected a vertex number below %llu, found %u",
+                                        (unsigned long long)vertex_count, number);
+    }
+    return KDR_OK;
+}
+
 static kdr_status check_primitive(const kdr_gltf *gltf, const kdr_json_value *primitive) {
     const kdr_json_value *attributes = find(gltf, primitive, "attributes");
     if (!attributes)
@@ -82,12 +109,11 @@ static kdr_status check_primitive(const kdr_gltf *gltf, const kdr_json_value *pr
     if (status != KDR_OK)
         return status;
     if (indices != KDR_INVALID_ID) {
-        const kdr_gltf_accessor *accessor = &gltf->accessors[indices];
-        if (accessor->width != 1 || (accessor->component != KDR_GLTF_UBYTE && accessor->component != KDR_GLTF_USHORT &&
-                                     accessor->component != KDR_GLTF_UINT))
-            return kdr_gltf_fail(gltf, primitive, "'indices' to be whole numbers");
-        count = accessor->count;
+        status = check_indices(gltf, primitive, &gltf->accessors[indices], count, mode);
+        count = gltf->accessors[indices].count;
     }
+    if (status != KDR_OK)
+        return status;
     // Points, lines and triangles, and their strips: the least vertices of one, and what their number is a multiple of.
     static const uint8_t least[7] = {1, 2, 2, 2, 3, 3, 3}, multiple[7] = {1, 2, 1, 1, 3, 1, 1};
     if (count < least[mode] || count % multiple[mode])

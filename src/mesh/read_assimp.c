@@ -249,15 +249,14 @@ import in = {.source = source, .scene = scene };
 
 /* glTF is checked through and through. Where it does not even look like glTF, assimp would try all of its formats. */
 static kdr_status check_content(const kdr_source *source) {
+    kdr_glb_frame frame = {.json_end = source->length};
     if (kdr_source_is_glb(source)) {
-        kdr_glb_frame frame;
         kdr_status status = kdr_glb_read_frame(source, &frame);
-        return status == KDR_OK ? kdr_gltf_check(source, frame.json_begin, frame.json_end, frame.binary_length)
-                                : status;
+        return status == KDR_OK ? kdr_gltf_check(source, &frame) : status;
     }
     if (kdr_source_has_ending(source, "glb"))
         return kdr_source_fail_byte(source, 0, "expected 'glTF' as the first four bytes of a GLB");
-    return kdr_source_has_ending(source, "gltf") ? kdr_gltf_check(source, 0, source->length, 0) : KDR_OK;
+    return kdr_source_has_ending(source, "gltf") ? kdr_gltf_check(source, &frame) : KDR_OK;
 }
 
 kdr_status kdr_read_assimp(const kdr_source *source, kdr_mesh **out) {

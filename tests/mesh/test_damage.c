@@ -11,24 +11,12 @@
 static const char *make_sample(int number, byte_list *out) {
     out->length = 0;
     switch (number) {
-    case 0:
-        sample_ply_ascii(out);
-        return "t.ply";
-    case 1:
-        sample_ply_binary(out, false);
-        return "t.ply";
-    case 2:
-        sample_ply_binary(out, true);
-        return "t.ply";
-    case 3:
-        sample_obj(out);
-        return "t.obj";
-    case 4:
-        sample_stl_ascii(out);
-        return "t.stl";
-    case 5:
-        sample_stl_binary(out);
-        return "t.stl";
+    case 0: sample_ply_ascii(out); return "t.ply";
+    case 1: sample_ply_binary(out, false); return "t.ply";
+    case 2: sample_ply_binary(out, true); return "t.ply";
+    case 3: sample_obj(out); return "t.obj";
+    case 4: sample_stl_ascii(out); return "t.stl";
+    case 5: sample_stl_binary(out); return "t.stl";
     case 6:
         put_text(out,
                  "ply\nformat ascii 1.0\nelement face 2\nproperty uchar red\nproperty list uchar int vertex_index\n"
@@ -56,7 +44,7 @@ static const char *make_sample(int number, byte_list *out) {
 }
 
 /* Whatever the bytes: a sound mesh, or no mesh and one sentence. */
-static void expect_mesh_or_sentence(const char *name, const byte_list *file) {
+static void assert_mesh_or_sentence(const char *name, const byte_list *file) {
     kdr_mesh *mesh;
     kdr_status status = try_bytes(name, file->bytes, file->length, &mesh);
     if (status == KDR_OK) {
@@ -79,7 +67,7 @@ static void a_file_cut_short_anywhere_is_refused_or_read_soundly(void **state) {
         const char *name = make_sample(sample, &file);
         for (size_t length = file.length; length-- > 0;) {
             file.length = length;
-            expect_mesh_or_sentence(name, &file);
+            assert_mesh_or_sentence(name, &file);
         }
     }
 }
@@ -112,7 +100,7 @@ static void a_file_with_changed_bytes_is_refused_or_read_soundly(void **state) {
                 *byte = test_random_below(&random, 2) ? (unsigned char)test_random_u32(&random)
                                                       : (unsigned char)(*byte ^ 1u << test_random_below(&random, 8));
             }
-            expect_mesh_or_sentence(name, &changed);
+            assert_mesh_or_sentence(name, &changed);
         }
     }
 }
@@ -134,7 +122,7 @@ static void a_file_with_other_numbers_is_refused_or_read_soundly(void **state) {
                 put(&changed, file.bytes, at);
                 put_text(&changed, numbers[i]);
                 put(&changed, file.bytes + at + 1, file.length - at - 1);
-                expect_mesh_or_sentence(name, &changed);
+                assert_mesh_or_sentence(name, &changed);
             }
         }
     }

@@ -23,7 +23,7 @@ static int64_t rank(float value) {
     return bits < 0 ? (int64_t)INT32_MIN - bits : bits;
 }
 
-static void expect_near(const char *text) {
+static void assert_near(const char *text) {
     float wanted = strtof(text, NULL), got = parse(text, strlen(text));
     if (llabs(rank(wanted) - rank(got)) > 1)
         fail_msg("'%s': expected %.9g, got %.9g", text, (double)wanted, (double)got);
@@ -40,9 +40,9 @@ static void random_numbers_are_within_one_unit_of_the_nearest_float(void **state
         if (!isfinite(value))
             continue;
         snprintf(text, sizeof text, "%.*g", 1 + (int)test_random_below(&random, 30), (double)value);
-        expect_near(text);
+        assert_near(text);
         snprintf(text, sizeof text, "%.*f", (int)test_random_below(&random, 60), (double)value);
-        expect_near(text);
+        assert_near(text);
     }
 }
 
@@ -82,16 +82,16 @@ static void long_and_extreme_strings_are_within_one_unit_of_the_nearest_float(vo
         "8388609.50000000000000000000000000000001",
     };
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
-        expect_near(texts[i]);
+        assert_near(texts[i]);
     char *many = malloc(100001);
     assert_non_null(many);
     memset(many, '3', 100000);
     many[1] = '.';
     many[100000] = '\0';
-    expect_near(many);
+    assert_near(many);
     memset(many, '0', 99999);
     many[0] = '.';
-    expect_near(many);
+    assert_near(many);
     free(many);
 }
 

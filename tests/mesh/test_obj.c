@@ -32,7 +32,7 @@ static void equal_normals_do_not_split_a_vertex(void **state) {
     static const uint32_t wanted[2][3] = {{0, 1, 2}, {0, 2, 3}};
     kdr_mesh *mesh = read_text("t.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\n"
                                         "f 1//1 2//1 3//2\nf 1//3 3//-1 4//2\n");
-    expect_indices(mesh, 2, wanted);
+    assert_indices(mesh, 2, wanted);
     assert_int_equal(mesh->vertex_count, 4);
     close_mesh(mesh);
 }
@@ -69,7 +69,7 @@ static void a_face_may_name_vertices_that_come_later(void **state) {
     (void)state;
     static const uint32_t wanted[2][3] = {{0, 1, 2}, {0, 2, 3}};
     kdr_mesh *mesh = read_text("t.obj", "f 1 2 3 4\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n");
-    expect_indices(mesh, 2, wanted);
+    assert_indices(mesh, 2, wanted);
     close_mesh(mesh);
 }
 
@@ -78,7 +78,7 @@ static void concave_polygons_are_cut_inside_and_keep_their_normals(void **state)
     static const uint32_t wanted[2][3] = {{3, 0, 1}, {1, 2, 3}};
     kdr_mesh *mesh = read_text("t.obj", "v -2 -2 0\nv 2 0 0\nv -2 2 0\nv -1 0 0\nvn 0 0 1\nvn 0 1 0\nvn 1 0 0\n"
                                         "vn 0 0 -1\nf 1//1 2//2 3//3 4//4\n");
-    expect_indices(mesh, 2, wanted);
+    assert_indices(mesh, 2, wanted);
     static const float normals[4][3] = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 0, -1}};
     assert_memory_equal(mesh->normals, normals, sizeof normals);
     close_mesh(mesh);
@@ -168,27 +168,27 @@ static void material_files_beside_the_mesh_give_colours(void **state) {
 
 static void a_wrong_line_is_named_with_what_was_expected(void **state) {
     (void)state;
-    expect_text_refused("t.obj", "v 0 0 0\nv 1 2\n",
+    assert_text_refused("t.obj", "v 0 0 0\nv 1 2\n",
                         "line 2: expected three numbers of a vertex, found the end of the");
-    expect_text_refused("t.obj", "v 0 0 z\n", "line 1: expected three numbers of a vertex, found 'z'");
-    expect_text_refused("t.obj", "vn 0 0\n", "line 1: expected three numbers of a normal");
-    expect_text_refused("t.obj", "v 0 0 0\n\n# c\nf 1 0 1\n",
+    assert_text_refused("t.obj", "v 0 0 z\n", "line 1: expected three numbers of a vertex, found 'z'");
+    assert_text_refused("t.obj", "vn 0 0\n", "line 1: expected three numbers of a normal");
+    assert_text_refused("t.obj", "v 0 0 0\n\n# c\nf 1 0 1\n",
                         "line 4: expected the number of a vertex (1 and up, or -1");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1 1 -2\n",
+    assert_text_refused("t.obj", "v 0 0 0\nf 1 1 -2\n",
                         "line 2: expected the number of a vertex (1 and up, or -1 and "
                         "down), 1 came before, found -2");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1 1 1\nf 1 3 1\nf 1 2 1\n",
+    assert_text_refused("t.obj", "v 0 0 0\nf 1 1 1\nf 1 3 1\nf 1 2 1\n",
                         "line 3: expected the number of a vertex, the file has 1, found 3");
-    expect_text_refused("t.obj", "v 0 0 0\nvt 0 0\nf 1/1 1/2 1/1\n", "the number of a texture vertex, the file has 1");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1//1 1//1 1//1\n", "the number of a normal, the file has 0, found 1");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1//-1 1 1\n", "the number of a normal (1 and up, or -1 and down), 0 came");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1 a 1\n",
+    assert_text_refused("t.obj", "v 0 0 0\nvt 0 0\nf 1/1 1/2 1/1\n", "the number of a texture vertex, the file has 1");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1//1 1//1 1//1\n", "the number of a normal, the file has 0, found 1");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1//-1 1 1\n", "the number of a normal (1 and up, or -1 and down), 0 came");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1 a 1\n",
                         "line 2: expected a corner (v, v/vt, v//vn or v/vt/vn), found 'a'");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1/1/1/1 1 1\n", "expected");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1 1 99999999999999999999\n", "expected a corner");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1 1 4294967296\n", "found 4294967296");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1 \\\n 1 \\\n 7x\n", "line 4: expected a corner");
-    expect_text_refused("t.obj", "\nnot a mesh at all\n", "line 2: expected a keyword of an OBJ file");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1/1/1/1 1 1\n", "expected");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1 1 99999999999999999999\n", "expected a corner");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1 1 4294967296\n", "found 4294967296");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1 \\\n 1 \\\n 7x\n", "line 4: expected a corner");
+    assert_text_refused("t.obj", "\nnot a mesh at all\n", "line 2: expected a keyword of an OBJ file");
 }
 
 int main(void) {
