@@ -110,7 +110,7 @@ static void draw(kdr_shape *shape, size_t triangle_count, double time) {
     size_t left = triangle_count - figures * figure_triangles - 2;
     uint32_t lots = left < 300 ? 2 : left < 3000 ? 4 : 6;
     double half = 0.65 * (double)side + 3, lot = 2 * half / lots;
-    shape->material = KDR_CITY_STREET;
+    shape->material = KDR_CITY_PAVEMENT;
     double far = half + 2 * lot;
     kdr_shape_quad(shape, (kdr_point){-far, 0, half}, (kdr_point){far + half, 0, 0}, (kdr_point){0, 0, -far - half});
     double middle = lots / 2.0;

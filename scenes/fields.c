@@ -90,14 +90,16 @@ static void close_terrain(kdr_shape *shape, const height_field *field) {
         return;
     }
     shape->material = EARTH;
-    kdr_point down = {0, -1, 0};
     uint32_t first = (uint32_t)shape->vertex_count;
     uint32_t middle = first + (uint32_t)border;
     for (size_t k = 0; k < border; k++) {
         const float *above = shape->positions + 3 * (size_t)border_vertex(field, k);
-        kdr_shape_vertex(shape, (kdr_point){above[0], -0.25, above[2]}, down);
+        kdr_point outwards = {above[0] < 0 ? -1 : 1, 0, 0};
+        if (above[2] * above[2] > above[0] * above[0])
+            outwards = (kdr_point){0, 0, above[2] < 0 ? -1 : 1};
+        kdr_shape_vertex(shape, (kdr_point){above[0], -0.25, above[2]}, outwards);
     }
-    kdr_shape_vertex(shape, (kdr_point){0, -0.25, 0}, down);
+    kdr_shape_vertex(shape, (kdr_point){0, -0.25, 0}, (kdr_point){0, -1, 0});
     for (size_t k = 0; k < border; k++) {
         uint32_t a = border_vertex(field, k), b = border_vertex(field, k + 1);
         uint32_t below_a = first + (uint32_t)k, below_b = first + (uint32_t)((k + 1) % border);
@@ -144,7 +146,7 @@ const kdr_recipe kdr_recipe_terrain = {
 /* Four trains of waves, each with its own direction, length, height and period in seconds. */
 static const struct wave_train {
     double x, z, height, period;
-} trains[] = {{1.1, 0.3, 0.10, 4}, {-0.4, 1.7, 0.06, 3}, {2.6, 2.1, 0.025, 2.2}, {-4.1, 3.3, 0.012, 1.5}};
+} trains[] = {{1.1, 0.3, 0.06, 4}, {-0.4, 1.7, 0.035, 3}, {2.6, 2.1, 0.018, 2.2}, {-4.1, 3.3, 0.01, 1.5}};
 
 static kdr_point wave_point(const void *context, size_t row, size_t column) {
     const height_field *field = context;
@@ -156,7 +158,7 @@ static kdr_point wave_point(const void *context, size_t row, size_t column) {
     }
     // A ring that spreads from the middle and fades.
     double away = sqrt(x * x + z * z);
-    place.y += 0.16 / (1 + 6 * away) * kdr_turn_of(3 * away - kdr_phase(field->time, 1.8)).cosine;
+    place.y += 0.13 / (1 + 6 * away) * kdr_turn_of(3 * away - kdr_phase(field->time, 1.8)).cosine;
     return place;
 }
 

@@ -75,7 +75,7 @@ typedef struct kdr_ball {
 static inline size_t kdr_ball_triangles(kdr_ball ball) { return (size_t)2 * ball.sectors * ball.level * ball.level; }
 static inline size_t kdr_ball_vertices(kdr_ball ball) { return kdr_ball_triangles(ball) / 2 + 2; }
 
-/* The ball whose triangle count is nearest to the one asked for; near 4 or 5 sectors. */
+/* The ball of 4 to 8 sectors whose triangle count is nearest to the one asked for: within 10 % from 100 on. */
 kdr_ball kdr_ball_fit(size_t triangles);
 
 /* Vertex `column` of ring `row`: 0 is the pole at y = 1, 2 level the one at y = -1. On the unit sphere. */

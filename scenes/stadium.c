@@ -10,7 +10,7 @@ static const kdr_recipe_material materials[] = {
 
 #define TURF_RADIUS 52.0
 #define STANDS_DEPTH 45.0
-#define STANDS_HEIGHT 36.0
+#define STANDS_HEIGHT 17.0
 
 /* Treads and risers in turn; the last row is the outer wall, down to the ground. */
 static kdr_point stands_point(const void *context, size_t row, size_t column) {
@@ -83,7 +83,7 @@ static void draw_pipe(kdr_shape *shape, pipe tube, size_t triangles) {
 static void draw(kdr_shape *shape, size_t triangle_count, double time) {
     (void)time;
     shape->material = TURF;
-    kdr_frame turf = kdr_frame_stretch(kdr_frame_at((kdr_point){0, 0, 0}, TURF_RADIUS + STANDS_DEPTH * 1.2), 1.25, 1, 1);
+    kdr_frame turf = kdr_frame_stretch(kdr_frame_at((kdr_point){0, 0, 0}, TURF_RADIUS + STANDS_DEPTH * 1.15), 1.25, 1, 1);
     kdr_shape_disc(shape, &turf, triangle_count < 5000 ? 6 : 96);
 
     shape->material = STANDS;

@@ -54,7 +54,7 @@ const kdr_recipe kdr_recipe_knot = {
     KDR_RECIPE_MATERIALS(knot_materials),
 };
 
-#define TOWER_HEIGHT 3.2
+#define TOWER_HEIGHT 2.7
 #define TWIST_PERIOD 8.0
 
 enum { TWIST_GROUND, TWIST_GLASS, TWIST_SLAB, TWIST_ROOF };
