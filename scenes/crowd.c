@@ -2,14 +2,26 @@
  * Lengths in metres, but for the town, which counts in lots. */
 #include "scenes/parts.h"
 
-enum { SKIN = KDR_CITY_MATERIAL_COUNT, SHIRTS = SKIN + 2, SHIRT_COUNT = 5, TROUSERS = SHIRTS + SHIRT_COUNT, TROUSER_COUNT = 3 };
+enum {
+    SKIN = KDR_CITY_MATERIAL_COUNT,
+    SHIRTS = SKIN + 2,
+    SHIRT_COUNT = 5,
+    TROUSERS = SHIRTS + SHIRT_COUNT,
+    TROUSER_COUNT = 3
+};
 
 static const kdr_recipe_material materials[] = {
     KDR_CITY_MATERIALS,
-    {"fair skin", {0.75f, 0.48f, 0.36f}}, {"dark skin", {0.28f, 0.14f, 0.08f}},
-    {"red shirt", {0.65f, 0.08f, 0.07f}}, {"blue shirt", {0.10f, 0.22f, 0.60f}}, {"green shirt", {0.10f, 0.42f, 0.16f}},
-    {"yellow shirt", {0.85f, 0.62f, 0.08f}}, {"white shirt", {0.80f, 0.80f, 0.78f}},
-    {"jeans", {0.07f, 0.10f, 0.24f}}, {"black trousers", {0.04f, 0.04f, 0.05f}}, {"khaki trousers", {0.40f, 0.34f, 0.20f}},
+    {"fair skin", {0.75f, 0.48f, 0.36f}},
+    {"dark skin", {0.28f, 0.14f, 0.08f}},
+    {"red shirt", {0.65f, 0.08f, 0.07f}},
+    {"blue shirt", {0.10f, 0.22f, 0.60f}},
+    {"green shirt", {0.10f, 0.42f, 0.16f}},
+    {"yellow shirt", {0.85f, 0.62f, 0.08f}},
+    {"white shirt", {0.80f, 0.80f, 0.78f}},
+    {"jeans", {0.07f, 0.10f, 0.24f}},
+    {"black trousers", {0.04f, 0.04f, 0.05f}},
+    {"khaki trousers", {0.40f, 0.34f, 0.20f}},
 };
 
 #define FIGURE_PARTS 10

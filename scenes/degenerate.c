@@ -9,7 +9,7 @@
 #define GRAIN (1.0 / 1024)
 
 static const kdr_recipe_material degenerate_materials[] = {
-    {"red", {0.60f, 0.10f, 0.08f}}, {"green", {0.16f, 0.42f, 0.14f}}, {"blue", {0.10f, 0.20f, 0.52f}},
+    {"red", {0.60f, 0.10f, 0.08f}},    {"green", {0.16f, 0.42f, 0.14f}}, {"blue", {0.10f, 0.20f, 0.52f}},
     {"yellow", {0.80f, 0.62f, 0.10f}}, {"white", {0.80f, 0.80f, 0.78f}}, {"violet", {0.34f, 0.12f, 0.42f}},
 };
 
@@ -37,18 +37,12 @@ static flat_triangle flat(kdr_chance *chance) {
 /* Three planes square to the axes, a second floor, and two slanted ones. */
 static kdr_point plane_point(uint32_t plane, double u, double v) {
     switch (plane) {
-    case 0:
-        return (kdr_point){v, -1, u};
-    case 1:
-        return (kdr_point){-1, u, v};
-    case 2:
-        return (kdr_point){u, v, -1};
-    case 3:
-        return (kdr_point){v, -0.25, u};
-    case 4:
-        return (kdr_point){v, -u / 2 - v / 2, u};
-    default:
-        return (kdr_point){u / 4 + v / 8, v, u};
+    case 0: return (kdr_point){v, -1, u};
+    case 1: return (kdr_point){-1, u, v};
+    case 2: return (kdr_point){u, v, -1};
+    case 3: return (kdr_point){v, -0.25, u};
+    case 4: return (kdr_point){v, -u / 2 - v / 2, u};
+    default: return (kdr_point){u / 4 + v / 8, v, u};
     }
 }
 

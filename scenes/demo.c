@@ -5,10 +5,10 @@ enum { TILE_LIGHT, TILE_DARK, PEDESTAL, KNOTS, KNOT_COLOURS = 6, FLAKE = KNOTS +
 
 static const kdr_recipe_material materials[] = {
     {"light tile", {0.62f, 0.60f, 0.55f}}, {"dark tile", {0.13f, 0.14f, 0.17f}}, {"pedestal", {0.42f, 0.38f, 0.34f}},
-    {"brass", {0.72f, 0.46f, 0.08f}}, {"jade", {0.06f, 0.42f, 0.22f}}, {"cobalt", {0.05f, 0.14f, 0.56f}},
-    {"coral", {0.78f, 0.20f, 0.14f}}, {"pearl", {0.74f, 0.72f, 0.70f}}, {"violet", {0.32f, 0.10f, 0.46f}},
-    {"flake 1", {0.66f, 0.06f, 0.03f}}, {"flake 2", {0.80f, 0.24f, 0.04f}}, {"flake 3", {0.88f, 0.48f, 0.08f}},
-    {"flake 4", {0.90f, 0.70f, 0.26f}}, {"flake 5", {0.90f, 0.88f, 0.78f}},
+    {"brass", {0.72f, 0.46f, 0.08f}},      {"jade", {0.06f, 0.42f, 0.22f}},      {"cobalt", {0.05f, 0.14f, 0.56f}},
+    {"coral", {0.78f, 0.20f, 0.14f}},      {"pearl", {0.74f, 0.72f, 0.70f}},     {"violet", {0.32f, 0.10f, 0.46f}},
+    {"flake 1", {0.66f, 0.06f, 0.03f}},    {"flake 2", {0.80f, 0.24f, 0.04f}},   {"flake 3", {0.88f, 0.48f, 0.08f}},
+    {"flake 4", {0.90f, 0.70f, 0.26f}},    {"flake 5", {0.90f, 0.88f, 0.78f}},
 };
 
 #define FLOOR_RADIUS 2.7

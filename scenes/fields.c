@@ -52,7 +52,9 @@ static kdr_point terrain_point(const void *context, size_t row, size_t column) {
 enum { EARTH, MEADOW, ROCK, SNOW };
 
 static const kdr_recipe_material terrain_materials[] = {
-    {"earth", {0.30f, 0.20f, 0.12f}}, {"meadow", {0.20f, 0.36f, 0.10f}}, {"rock", {0.38f, 0.34f, 0.30f}},
+    {"earth", {0.30f, 0.20f, 0.12f}},
+    {"meadow", {0.20f, 0.36f, 0.10f}},
+    {"rock", {0.38f, 0.34f, 0.30f}},
     {"snow", {0.90f, 0.92f, 0.95f}},
 };
 
@@ -63,7 +65,9 @@ static void colour_terrain(kdr_shape *shape) {
     for (size_t i = 0; i < shape->triangle_count; i++) {
         size_t vertex = shape->indices[3 * i];
         float height = shape->positions[3 * vertex + 1], upright = shape->normals[3 * vertex + 1];
-        shape->materials[i] = height > 0.42f && upright > 0.45f ? SNOW : upright > 0.72f && height < 0.36f ? MEADOW : ROCK;
+        shape->materials[i] = height > 0.42f && upright > 0.45f   ? SNOW
+                              : upright > 0.72f && height < 0.36f ? MEADOW
+                                                                  : ROCK;
     }
 }
 

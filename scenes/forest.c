@@ -7,8 +7,9 @@
 enum { GROUND, BARK, LEAVES, LEAF_COLOURS = 4 };
 
 static const kdr_recipe_material materials[] = {
-    {"ground", {0.20f, 0.17f, 0.09f}}, {"bark", {0.24f, 0.14f, 0.07f}}, {"spring leaf", {0.26f, 0.46f, 0.07f}},
-    {"summer leaf", {0.10f, 0.34f, 0.07f}}, {"dark leaf", {0.06f, 0.24f, 0.09f}}, {"autumn leaf", {0.62f, 0.28f, 0.05f}},
+    {"ground", {0.20f, 0.17f, 0.09f}},      {"bark", {0.24f, 0.14f, 0.07f}},
+    {"spring leaf", {0.26f, 0.46f, 0.07f}}, {"summer leaf", {0.10f, 0.34f, 0.07f}},
+    {"dark leaf", {0.06f, 0.24f, 0.09f}},   {"autumn leaf", {0.62f, 0.28f, 0.05f}},
 };
 
 typedef struct tree_plan {

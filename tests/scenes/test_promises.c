@@ -117,7 +117,8 @@ static void still_scenes_are_the_same_at_any_time(void **state) {
 
 static void motion_repeats_without_a_jump(void **state) {
     (void)state;
-    kdr_mesh *whole = make("explode", 1000, 0), *again = make("explode", 1000, 6), *almost = make("explode", 1000, 5.999);
+    kdr_mesh *whole = make("explode", 1000, 0), *again = make("explode", 1000, 6),
+             *almost = make("explode", 1000, 5.999);
     assert_memory_equal(whole->positions, again->positions, 3 * sizeof(float) * whole->vertex_count);
     for (size_t v = 0; v < 3 * whole->vertex_count; v++)
         assert_true(fabsf(whole->positions[v] - almost->positions[v]) < 1e-4f);
