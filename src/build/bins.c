@@ -20,7 +20,7 @@ kdr_bin_grid kdr_bin_grid_of(const kdr_box *box) {
         float extent = box->hi[k] - box->lo[k];
         /* Outside this range bin numbers are not to be trusted. */
         bool usable = extent >= 0x1p-100f && extent <= 0x1p100f && fabsf(box->lo[k]) <= 0x1p100f;
-        grid.lo[k] = box->lo[k];
+        grid.lo[k] = usable ? box->lo[k] : 0; /* finite - 0 times 0 is bin 0, whatever the numbers */
         grid.scale[k] = usable ? (float)KDR_BIN_COUNT / extent : 0;
         grid.width[k] = usable ? extent / (float)KDR_BIN_COUNT : 0;
     }

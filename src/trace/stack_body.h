@@ -51,6 +51,6 @@ static inline __attribute__((always_inline)) bool STEP(walk)(const kdr_tree *tre
         enter = stack[top].tmin;
         leave = stack[top].tmax;
         if (!any && (float)enter > closest->t)
-            return true;
+            return closest->primitive != UINT32_MAX;
     }
 }
