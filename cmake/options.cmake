@@ -13,7 +13,7 @@ set(CMAKE_C_FLAGS_RELEASE "-O3 -DNDEBUG")
 
 option(BUILD_SHARED_LIBS "Build shared libraries" ON)
 option(KDRAY_RENDER "Build libkdray-render: files to pictures" ON)
-option(KDRAY_PROGRAM "Build the program kdray" ON)
+option(KDRAY_PROGRAM "Build the program kdray" ${PROJECT_IS_TOP_LEVEL})
 option(KDRAY_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(KDRAY_FUZZ "Build the fuzz targets (clang only)" OFF)
 option(KDRAY_OPENMP "Build libkdray-openmp, the OpenMP task backend" ON)

@@ -14,17 +14,18 @@ int main(void) {
     kdr_device *device = NULL;
     kdr_scene *scene = NULL;
     kdr_status status = kdr_device_create(NULL, &device);
-    if (!status) status = kdr_scene_create(device, &scene);
-    if (!status) status = kdr_scene_add_triangles(scene, &square, NULL);
-    if (!status) status = kdr_scene_commit(scene, NULL); /* again when the arrays have changed */
-    if (!status) {
+    if (status == KDR_OK)
+        status = kdr_scene_create(device, &scene);
+    if (status == KDR_OK)
+        status = kdr_scene_add_triangles(scene, &square, NULL);
+    if (status == KDR_OK)
+        status = kdr_scene_commit(scene, NULL); /* again when the arrays have changed */
+    if (status == KDR_OK) {
         kdr_ray_hit ray = {.ray = {.origin_x = 0.5f, .origin_z = -2, .direction_z = 1, .tmax = INFINITY}};
         kdr_intersect1(scene, &ray);
         printf("triangle %u at distance %g\n", ray.hit.primitive, ray.ray.tmax);
-    } else {
-        fprintf(stderr, "%s\n", kdr_status_text(status));
     }
     kdr_scene_destroy(scene);
     kdr_device_destroy(device);
-    return status != KDR_OK;
+    return status;
 }

@@ -6,7 +6,7 @@
  *
  * Source: M. Shevtsov, A. Soupikov, A. Kapustin, "Highly Parallel Fast KD-tree Construction for Interactive Ray Tracing
  * of Dynamic Scenes", 2007, sections 3.1 to 3.4.
- * Beyond it: bins cover the bounds of the primitives instead of the cell, and the two faces of the bounds are candidates
+ * Choosing among the bin boundaries is in kernels_lanes.c. Beyond the paper: bins cover the bounds of the primitives instead of the cell, and the two faces of the bounds are candidates
  * of their own, which cut off empty space.
  * Cost: six counter updates a counted primitive, 99 cost evaluations a node. */
 #include "build/bins.h"
@@ -20,7 +20,7 @@ kdr_bin_grid kdr_bin_grid_of(const kdr_box *box) {
         float extent = box->hi[k] - box->lo[k];
         /* Outside this range bin numbers are not to be trusted. */
         bool usable = extent >= 0x1p-100f && extent <= 0x1p100f && fabsf(box->lo[k]) <= 0x1p100f;
-        grid.lo[k] = box->lo[k];
+        grid.lo[k] = usable ? box->lo[k] : 0; /* finite - 0 times 0 is bin 0, whatever the numbers */
         grid.scale[k] = usable ? (float)KDR_BIN_COUNT / extent : 0;
         grid.width[k] = usable ? extent / (float)KDR_BIN_COUNT : 0;
     }
@@ -56,43 +56,4 @@ uint32_t kdr_bins_step(uint32_t count) {
     for (; count >= 10; count /= 10)
         step++;
     return step > 0 ? step : 1;
-}
-
-/* A plane with the primitives it would have on its sides. */
-static void consider(kdr_split *best, const kdr_shares *shares, const kdr_box *cell, const kdr_plan *plan, uint32_t axis,
-                     float plane, bool flat_left, double left, double right) {
-    if (!(plane > cell->lo[axis] && plane < cell->hi[axis]))
-        return;
-    double cost = plan->cost_traversal +
-                  plan->cost_intersection * (kdr_share(shares, axis, (double)plane - cell->lo[axis]) * left +
-                                             kdr_share(shares, axis, (double)cell->hi[axis] - plane) * right);
-    if (cost < best->cost)
-        *best = (kdr_split){.axis = axis, .plane = plane, .flat_left = flat_left, .cost = (float)cost};
-}
-
-kdr_split kdr_bins_choose(const kdr_bins *bins, const kdr_bin_grid *grid, uint32_t count, const kdr_box *box,
-                          const kdr_box *cell, const kdr_plan *plan) {
-    kdr_split best = {.cost = INFINITY};
-    kdr_shares shares = kdr_shares_of(cell);
-    for (uint32_t k = 0; k < 3; k++) {
-        /* Cut off empty space. */
-        consider(&best, &shares, cell, plan, k, box->lo[k], false, 0, count);
-        consider(&best, &shares, cell, plan, k, box->hi[k], true, count, 0);
-        if (grid->scale[k] == 0)
-            continue;
-
-        /* Try the inner boundaries, with counts scaled back from the sample. */
-        uint32_t sampled = 0;
-        for (int i = 0; i < KDR_BIN_COUNT; i++)
-            sampled += bins->begins[k][i];
-        double weight = (double)count / sampled;
-        uint32_t left = 0, right = sampled;
-        for (int i = 1; i < KDR_BIN_COUNT; i++) {
-            left += bins->begins[k][i - 1];
-            right -= bins->ends[k][i - 1];
-            consider(&best, &shares, cell, plan, k, grid->lo[k] + grid->width[k] * (float)i, true, left * weight,
-                     right * weight);
-        }
-    }
-    return best;
 }

@@ -26,8 +26,4 @@ void kdr_bins_merge(kdr_bins *bins, const kdr_bins *other);
 /* Of `count` primitives every how many are counted: floor(log10 count), at least 1. */
 uint32_t kdr_bins_step(uint32_t count);
 
-/* The cheapest bin boundary, on all axes, of a cell whose primitives have the bounds `box`. */
-kdr_split kdr_bins_choose(const kdr_bins *bins, const kdr_bin_grid *grid, uint32_t count, const kdr_box *box,
-                          const kdr_box *cell, const kdr_plan *plan);
-
 #endif

@@ -17,17 +17,16 @@
 #define TOP_TASKS 256       /* at most so many tasks wait before the pool starts */
 #define OFFER_LIMIT 2048    /* smaller nodes are not worth handing over */
 
-kdr_workshop *kdr_workshop_create(kdr_alloc *alloc, uint32_t worker_count) {
+kdr_workshop *kdr_workshop_create(kdr_alloc *alloc, kdr_bulk *bulk, uint32_t worker_count) {
     kdr_workshop *shop = kdr_alloc_get(alloc, sizeof *shop, 64);
     if (!shop)
         return NULL;
-    *shop = (kdr_workshop){.alloc = alloc, .worker_count = worker_count};
+    *shop = (kdr_workshop){.alloc = alloc, .bulk = bulk, .worker_count = worker_count};
     shop->workers = kdr_alloc_array(alloc, worker_count, sizeof *shop->workers, 128);
     bool pairs = kdr_chunks_init(&shop->pairs, alloc, 2 * KDR_PAIRS_PER_CHUNK * sizeof(kdr_node),
                                  (KDR_NODE_MAX_INDEX + 1) / KDR_PAIRS_PER_CHUNK);
     bool ids = kdr_chunks_init(&shop->ids, alloc, KDR_IDS_PER_CHUNK * sizeof(uint32_t),
                                (KDR_NODE_MAX_INDEX + 1) / KDR_IDS_PER_CHUNK);
-    kdr_bulk_init(&shop->bulk);
     for (uint32_t i = 0; shop->workers && i < worker_count; i++) {
         shop->workers[i] = (kdr_build_worker){0};
         kdr_arena_init(&shop->workers[i].arena, alloc, ARENA_CHUNK);
@@ -48,7 +47,6 @@ void kdr_workshop_destroy(kdr_workshop *shop) {
     kdr_alloc_release(alloc, shop->workers, shop->worker_count * sizeof *shop->workers);
     kdr_chunks_release(&shop->pairs, alloc);
     kdr_chunks_release(&shop->ids, alloc);
-    kdr_bulk_destroy(&shop->bulk, alloc);
     kdr_buffer_release(alloc, &shop->layout);
     kdr_alloc_release(alloc, shop, sizeof *shop);
 }
@@ -62,7 +60,6 @@ void kdr_workshop_trim(kdr_workshop *shop) {
     }
     kdr_chunks_trim(&shop->pairs, shop->alloc);
     kdr_chunks_trim(&shop->ids, shop->alloc);
-    kdr_bulk_trim(&shop->bulk, shop->alloc);
     kdr_buffer_release(shop->alloc, &shop->layout);
 }
 
@@ -73,7 +70,7 @@ static void open_all(kdr_build_state *state, kdr_pool *pool, uint32_t worker, kd
         kdr_build_task children[2];
         kdr_arena_mark mark = kdr_arena_save(&w->arena);
         kdr_opened opened = kdr_expand(state, w, false, &task, children);
-        kdr_bulk_put(&state->shop->bulk, task.memory, task.memory_size);
+        kdr_bulk_put(state->shop->bulk, task.memory, task.memory_size);
         if (opened != KDR_OPENED_PAIR) {
             kdr_arena_restore(&w->arena, mark);
             return;
@@ -105,7 +102,7 @@ static kdr_status open_top(kdr_build_state *state, const kdr_build_task *root) {
     kdr_arena_mark mark = kdr_arena_save(&w->arena);
     kdr_build_task *tasks = kdr_arena_get(&w->arena, (TOP_TASKS + 1) * sizeof *tasks);
     if (!tasks) {
-        kdr_bulk_put(&state->shop->bulk, root->memory, root->memory_size);
+        kdr_bulk_put(state->shop->bulk, root->memory, root->memory_size);
         return KDR_ERROR_OUT_OF_MEMORY;
     }
     uint32_t count = 0, next = 0;
@@ -118,7 +115,7 @@ static kdr_status open_top(kdr_build_state *state, const kdr_build_task *root) {
         }
         kdr_build_task task = tasks[next], children[2];
         kdr_opened opened = kdr_expand(state, w, true, &task, children);
-        kdr_bulk_put(&state->shop->bulk, task.memory, task.memory_size);
+        kdr_bulk_put(state->shop->bulk, task.memory, task.memory_size);
         if (opened == KDR_OPENED_PAIR) {
             tasks[next] = children[0];
             tasks[count++] = children[1];
@@ -129,7 +126,7 @@ static kdr_status open_top(kdr_build_state *state, const kdr_build_task *root) {
     kdr_status status = kdr_pool_run(state->crew, state->shop->alloc, tasks, count, run_task, state);
     if (status != KDR_OK)
         for (uint32_t i = 0; i < count; i++)
-            kdr_bulk_put(&state->shop->bulk, tasks[i].memory, tasks[i].memory_size);
+            kdr_bulk_put(state->shop->bulk, tasks[i].memory, tasks[i].memory_size);
     kdr_arena_restore(&w->arena, mark);
     return status != KDR_OK ? status : (kdr_status)atomic_load(&state->status);
 }
@@ -169,7 +166,7 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
     /* The root is the first node of the first pair; its sibling stays unused. */
     uint32_t pair;
     if (!kdr_grow_pair(&state, &shop->workers[0], &pair)) {
-        kdr_bulk_put(&shop->bulk, root.memory, root.memory_size);
+        kdr_bulk_put(shop->bulk, root.memory, root.memory_size);
         return (kdr_status)atomic_load(&state.status);
     }
     root.node = 2 * pair;

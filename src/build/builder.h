@@ -2,6 +2,7 @@
 #ifndef KDR_BUILD_BUILDER_H
 #define KDR_BUILD_BUILDER_H
 
+#include "base/bulk.h"
 #include "base/task.h"
 #include "build/source.h"
 #include "build/split.h"
@@ -10,9 +11,10 @@
 /* Working memory that is kept from build to build; one build at a time. */
 typedef struct kdr_workshop kdr_workshop;
 
-kdr_workshop *kdr_workshop_create(kdr_alloc *alloc, uint32_t worker_count); /* NULL when there is no memory */
-void kdr_workshop_destroy(kdr_workshop *workshop);                         /* NULL is allowed */
-void kdr_workshop_trim(kdr_workshop *workshop);                            /* gives back what is kept */
+/* NULL when there is no memory. bulk must live as long. */
+kdr_workshop *kdr_workshop_create(kdr_alloc *alloc, kdr_bulk *bulk, uint32_t worker_count);
+void kdr_workshop_destroy(kdr_workshop *workshop); /* NULL is allowed */
+void kdr_workshop_trim(kdr_workshop *workshop);    /* gives back what is kept */
 
 /* The tree depends on source and plan alone. depth_limit 0 stands for 8 + 1.3 log2(primitives).
  * Errors: OUT_OF_MEMORY, LIMIT (more than 2^30 primitives, references or nodes), INVALID_DATA (*counts says how many

@@ -5,7 +5,6 @@
 #include "build/work.h"
 
 #include "base/primitives.h"
-#include "build/bins.h"
 
 #define PASS_GRAIN 8192
 
@@ -63,7 +62,8 @@ static kdr_split choose(pass *p, bool parallel) {
     run(p, parallel, bin_range);
     for (uint32_t i = 1; i < workers; i++)
         kdr_bins_merge(&p->bins[0], &p->bins[i]);
-    return kdr_bins_choose(&p->bins[0], &p->grid, task->references.count, &task->box, &task->cell, &p->state->plan);
+    return p->state->kernels->choose_binned(&p->bins[0], &p->grid, task->references.count, &task->box, &task->cell,
+                                            &p->state->plan);
 }
 
 /* Turns counts a range into places and returns the sum. */
@@ -105,7 +105,7 @@ static bool give_memory(kdr_build_state *state, kdr_build_worker *worker, bool l
     if (local)
         memory = kdr_arena_get(&worker->arena, child->memory_size);
     else
-        memory = child->memory = kdr_bulk_get(&state->shop->bulk, state->shop->alloc, &child->memory_size);
+        memory = child->memory = kdr_bulk_get(state->shop->bulk, &child->memory_size);
     if (memory)
         child->references = kdr_references_in(memory, count);
     return memory != NULL;
@@ -120,7 +120,7 @@ static kdr_opened make_leaf(kdr_build_state *state, kdr_build_worker *worker, co
 }
 
 /* True if the counts of a plane speak for it. A plane that does not pay is taken only to break up a leaf that is too
- * large, and only where it separates most of it. */
+ * large, and only where it separates most of it or cuts off empty space. */
 static bool is_worth_it(const kdr_build_state *state, const kdr_build_task *task, const kdr_split *split, uint64_t left,
                         uint64_t right) {
     uint64_t count = task->references.count;
@@ -128,7 +128,7 @@ static bool is_worth_it(const kdr_build_state *state, const kdr_build_task *task
         return false;
     if (split->cost < kdr_plan_leaf_cost(&state->plan, (uint32_t)count))
         return true;
-    return count > state->plan.leaf_limit && left < count && right < count && 2 * (left + right) <= 3 * count;
+    return count > state->plan.leaf_limit && 2 * (left + right) <= 3 * count;
 }
 
 static kdr_opened divide(kdr_build_state *state, kdr_build_worker *worker, bool parallel, pass *p,
@@ -144,7 +144,7 @@ static kdr_opened divide(kdr_build_state *state, kdr_build_worker *worker, bool 
     children[0] = children[1] = (kdr_build_task){.cell = task->cell, .depth = task->depth + 1};
     bool memory = give_memory(state, worker, local, (uint32_t)left, &children[0]);
     if (!memory || !give_memory(state, worker, local, (uint32_t)right, &children[1])) {
-        kdr_bulk_put(&state->shop->bulk, children[0].memory, children[0].memory_size);
+        kdr_bulk_put(state->shop->bulk, children[0].memory, children[0].memory_size);
         kdr_build_fail(state, KDR_ERROR_OUT_OF_MEMORY);
         return KDR_OPENED_FAILED;
     }
@@ -171,7 +171,7 @@ static kdr_opened divide(kdr_build_state *state, kdr_build_worker *worker, bool 
     children[1].budget = task->budget - children[0].budget;
     if (!kdr_grow_interior(state, worker, task->node, axis, p->split.plane, &pair)) {
         for (int i = 0; i < 2; i++)
-            kdr_bulk_put(&state->shop->bulk, children[i].memory, children[i].memory_size);
+            kdr_bulk_put(state->shop->bulk, children[i].memory, children[i].memory_size);
         return KDR_OPENED_FAILED;
     }
     children[0].node = 2 * pair;

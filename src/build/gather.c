@@ -51,9 +51,9 @@ kdr_status kdr_build_gather(kdr_build_state *state, kdr_build_task *root, kdr_so
     g.boxes = kdr_arena_get(arena, workers * sizeof *g.boxes);
     g.counts = kdr_arena_get(arena, workers * sizeof *g.counts);
     size_t size = kdr_references_bytes(count);
-    void *memory = kdr_bulk_get(&shop->bulk, shop->alloc, &size);
+    void *memory = kdr_bulk_get(shop->bulk, &size);
     if (!g.kept || !g.boxes || !g.counts || !memory) {
-        kdr_bulk_put(&shop->bulk, memory, size);
+        kdr_bulk_put(shop->bulk, memory, size);
         kdr_arena_restore(arena, mark);
         return KDR_ERROR_OUT_OF_MEMORY;
     }
@@ -78,7 +78,7 @@ kdr_status kdr_build_gather(kdr_build_state *state, kdr_build_task *root, kdr_so
     g.to.count = close_gaps(&g, count);
     kdr_arena_restore(arena, mark);
     if (counts->invalid > 0) {
-        kdr_bulk_put(&shop->bulk, memory, size);
+        kdr_bulk_put(shop->bulk, memory, size);
         return KDR_ERROR_INVALID_DATA;
     }
     *root = (kdr_build_task){.references = g.to, .memory = memory, .memory_size = size, .cell = box, .box = box};

@@ -2,7 +2,7 @@
 #ifndef KDR_BUILD_KERNELS_H
 #define KDR_BUILD_KERNELS_H
 
-#include "build/split.h"
+#include "build/bins.h"
 #include "kdray/kdray.h"
 
 #define KDR_MASK_LIMIT 32                        /* primitives that fit one mask */
@@ -16,6 +16,11 @@ typedef struct kdr_mask_table {
 } kdr_mask_table;
 
 typedef struct kdr_build_kernels {
+    /* The cheapest bin boundary, on all axes, of a cell with `count` primitives whose bounds are `box`; the faces of the
+     * box are candidates too. Equal costs: the lower axis, then the faces, then the lower plane. */
+    kdr_split (*choose_binned)(const kdr_bins *bins, const kdr_bin_grid *grid, uint32_t count, const kdr_box *box,
+                               const kdr_box *cell, const kdr_plan *plan);
+
     /* How many references of [begin, end) go left and right of a split. */
     void (*count)(const kdr_references *from, uint32_t begin, uint32_t end, const kdr_split *split, uint32_t *left,
                   uint32_t *right);

@@ -4,6 +4,62 @@
 
 #include "geometry/lanes.h"
 
+/* A face of the bounds as a plane that cuts off empty space. */
+static void consider_face(kdr_split *best, float face, float rim, const kdr_box *cell, uint32_t axis, float plane,
+                          bool lower, uint32_t count, float traversal) {
+    if (!(plane > cell->lo[axis] && plane < cell->hi[axis]))
+        return;
+    float extent = lower ? cell->hi[axis] - plane : plane - cell->lo[axis];
+    float cost = traversal + (face + rim * extent) * (float)count;
+    if (cost < best->cost)
+        *best = (kdr_split){.axis = axis, .plane = plane, .flat_left = !lower, .cost = cost};
+}
+
+static kdr_split choose_binned(const kdr_bins *bins, const kdr_bin_grid *grid, uint32_t count, const kdr_box *box,
+                               const kdr_box *cell, const kdr_plan *plan) {
+    kdr_split best = {.cost = INFINITY};
+    kdr_shares shares = kdr_shares_of(cell);
+    for (uint32_t k = 0; k < 3; k++) {
+        const float face = (float)(shares.face[k] * shares.inverse_area) * plan->cost_intersection;
+        const float rim = (float)(shares.rim[k] * shares.inverse_area) * plan->cost_intersection;
+        consider_face(&best, face, rim, cell, k, box->lo[k], true, count, plan->cost_traversal);
+        consider_face(&best, face, rim, cell, k, box->hi[k], false, count, plan->cost_traversal);
+        if (grid->scale[k] == 0)
+            continue;
+
+        /* Primitives that reach to the left and to the right of each boundary; boundary 0 is the lower face. */
+        uint32_t left[KDR_BIN_COUNT], right[KDR_BIN_COUNT], begun = 0, ended = 0;
+        for (int i = 0; i < KDR_BIN_COUNT; i++) {
+            left[i] = begun;
+            right[i] = ended;
+            begun += bins->begins[k][i];
+            ended += bins->ends[k][i];
+        }
+
+        /* Cost of each boundary, with counts scaled back from the sample. */
+        float costs[KDR_BIN_COUNT], planes[KDR_BIN_COUNT];
+        const float weight = (float)count / (float)begun;
+        const kdr_lanes_f lo = kdr_lanes_all(cell->lo[k]), hi = kdr_lanes_all(cell->hi[k]);
+        for (uint32_t i = 0; i < KDR_BIN_COUNT; i += KDR_LANES) {
+            kdr_lanes_f number;
+            for (uint32_t j = 0; j < KDR_LANES; j++)
+                number[j] = (float)(i + j);
+            kdr_lanes_f plane = grid->lo[k] + grid->width[k] * number;
+            kdr_lanes_f n_left = __builtin_convertvector((kdr_lanes_i)kdr_lanes_load_u(left + i), kdr_lanes_f);
+            kdr_lanes_f n_right = __builtin_convertvector((kdr_lanes_i)(begun - kdr_lanes_load_u(right + i)), kdr_lanes_f);
+            kdr_lanes_f cost = (face + rim * (plane - lo)) * n_left + (face + rim * (hi - plane)) * n_right;
+            kdr_lane_bits inside = kdr_lanes_less(lo, plane) & kdr_lanes_less(plane, hi);
+            kdr_lanes_store(costs + i, kdr_lanes_choose(inside, plan->cost_traversal + weight * cost,
+                                                        kdr_lanes_all(INFINITY)));
+            kdr_lanes_store(planes + i, plane);
+        }
+        for (uint32_t i = 1; i < KDR_BIN_COUNT; i++)
+            if (costs[i] < best.cost)
+                best = (kdr_split){.axis = k, .plane = planes[i], .flat_left = true, .cost = costs[i]};
+    }
+    return best;
+}
+
 /* Which of the lanes go left and right. A primitive on both sides of the plane goes both ways; one that only touches it
  * goes one way; one that lies in it goes where the split says. */
 KDR_LANES_INLINE void sides(kdr_lanes_f lo, kdr_lanes_f hi, const kdr_split *split, kdr_lane_bits valid,
@@ -202,4 +258,4 @@ static kdr_split choose_masked(const kdr_mask_table *table, uint32_t set, const 
 
 extern const kdr_build_kernels KDR_LANES_SYMBOL(kdr_build_kernels);
 const kdr_build_kernels KDR_LANES_SYMBOL(kdr_build_kernels) = {
-    .count = count, .divide = divide, .masks = masks, .choose_masked = choose_masked};
+    .choose_binned = choose_binned, .count = count, .divide = divide, .masks = masks, .choose_masked = choose_masked};

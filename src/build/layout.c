@@ -89,7 +89,7 @@ kdr_status kdr_build_layout(kdr_build_state *state, kdr_tree *tree) {
         return KDR_ERROR_LIMIT;
     size_t box_bytes = state->plan.wide ? (2 + 2 * interiors) * sizeof(kdr_box) : 0;
     if (!kdr_buffer_reserve(shop->alloc, &shop->layout, leaves * sizeof(leaf_job) + box_bytes) ||
-        !kdr_tree_reserve(tree, shop->alloc, (uint32_t)(2 + 2 * interiors), (uint32_t)groups))
+        !kdr_tree_reserve(tree, shop->bulk, (uint32_t)(2 + 2 * interiors), (uint32_t)groups))
         return KDR_ERROR_OUT_OF_MEMORY;
 
     leaf_job *jobs = shop->layout.memory;
@@ -97,8 +97,8 @@ kdr_status kdr_build_layout(kdr_build_state *state, kdr_tree *tree) {
     uint64_t job_count = number_nodes(shop, tree, jobs, boxes);
     filling f = {state, jobs, tree->blocks, boxes};
     kdr_parallel_for(state->crew, job_count, FILL_GRAIN, fill_range, &f);
-    if (boxes && !kdr_tree_add_wide(tree, shop->alloc, boxes)) {
-        kdr_tree_release(tree, shop->alloc);
+    if (boxes && !kdr_tree_add_wide(tree, shop->bulk, boxes)) {
+        kdr_tree_release(tree, shop->bulk);
         return KDR_ERROR_OUT_OF_MEMORY;
     }
     return KDR_OK;

@@ -3,8 +3,8 @@
 #define KDR_BUILD_WORK_H
 
 #include "base/arena.h"
+#include "base/bulk.h"
 #include "build/builder.h"
-#include "build/bulk.h"
 #include "build/chunks.h"
 #include "build/kernels.h"
 
@@ -27,7 +27,7 @@ struct kdr_workshop {
     kdr_alloc *alloc;
     uint32_t worker_count;
     kdr_build_worker *workers;
-    kdr_bulk bulk;
+    kdr_bulk *bulk;     /* the device's */
     kdr_chunks pairs;   /* of nodes, while the tree grows */
     kdr_chunks ids;     /* of the leaves' primitives */
     kdr_buffer layout;  /* for the final pass */

@@ -6,7 +6,7 @@
 
 kdr_build_def kdr_default_build_def(void) {
     return (kdr_build_def){.size = sizeof(kdr_build_def),
-                           .cost_traversal = 12,
+                           .cost_traversal = 16,
                            .cost_intersection = 1,
                            .leaf_limit = 64,
                            .depth_limit = 0,
@@ -112,7 +112,7 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
     }
 
     /* Put the new tree in the place of the old one. */
-    kdr_tree_release(&scene->tree, &device->alloc);
+    kdr_tree_release(&scene->tree, &device->bulk);
     kdr_alloc_release(&device->alloc, scene->first, ((size_t)scene->committed_count + 1) * sizeof *first);
     scene->tree = tree;
     scene->first = first;

@@ -63,6 +63,7 @@ kdr_status kdr_device_create(const kdr_device_def *given, kdr_device **out) {
     *device = (kdr_device){.isa = isa, .traversals = kdr_traversals_for(isa), .log = def.log, .log_user = def.log_user};
     kdr_alloc_init(&device->alloc, &def.allocator);
     device->alloc.bytes = device->alloc.peak_bytes = sizeof *device;
+    kdr_bulk_init(&device->bulk, &device->alloc);
     device->crew.worker_count = def.worker_count > 0 ? def.worker_count : kdr_cpu_count();
     device->crew.backend = def.tasks;
     if (!def.tasks.start && device->crew.worker_count > 1) {
@@ -73,7 +74,7 @@ kdr_status kdr_device_create(const kdr_device_def *given, kdr_device **out) {
         }
         device->crew.backend = kdr_thread_pool_backend(device->threads);
     }
-    device->workshop = kdr_workshop_create(&device->alloc, device->crew.worker_count);
+    device->workshop = kdr_workshop_create(&device->alloc, &device->bulk, device->crew.worker_count);
     if (!device->workshop) {
         kdr_device_destroy(device);
         return kdr_device_fail(&early, KDR_ERROR_OUT_OF_MEMORY, "out of memory for the builder's tables");
@@ -86,6 +87,7 @@ void kdr_device_destroy(kdr_device *device) {
     if (!device)
         return;
     kdr_workshop_destroy(device->workshop);
+    kdr_bulk_destroy(&device->bulk);
     if (device->threads)
         kdr_thread_pool_destroy(device->threads);
     kdr_alloc alloc;
@@ -112,6 +114,7 @@ size_t kdr_device_peak_bytes(const kdr_device *device) {
 
 void kdr_device_trim(kdr_device *device) {
     kdr_workshop_trim(device->workshop);
+    kdr_bulk_trim(&device->bulk);
 }
 
 void kdr_device_run(kdr_device *device, kdr_task_fn *task, void *context, uint32_t count) {

@@ -12,6 +12,7 @@ struct kdr_device {
     kdr_isa isa;
     kdr_crew crew;
     kdr_thread_pool *threads; /* NULL: the host's */
+    kdr_bulk bulk;            /* large memory that is used again */
     kdr_workshop *workshop;
     const kdr_traversals *traversals;
     kdr_log_fn *log;

@@ -15,7 +15,7 @@ kdr_status kdr_scene_create(kdr_device *device, kdr_scene **out) {
     if (!scene)
         return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for a scene");
     *scene = (kdr_scene){.device = device, .changed = true};
-    if (!kdr_tree_init_empty(&scene->tree, &device->alloc)) {
+    if (!kdr_tree_init_empty(&scene->tree, &device->bulk)) {
         kdr_alloc_release(&device->alloc, scene, sizeof *scene);
         return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for a scene");
     }
@@ -27,7 +27,7 @@ void kdr_scene_destroy(kdr_scene *scene) {
     if (!scene)
         return;
     kdr_alloc *alloc = &scene->device->alloc;
-    kdr_tree_release(&scene->tree, alloc);
+    kdr_tree_release(&scene->tree, &scene->device->bulk);
     kdr_alloc_release(alloc, scene->first, ((size_t)scene->committed_count + 1) * sizeof *scene->first);
     kdr_alloc_release(alloc, scene->geometries, scene->geometry_capacity * sizeof *scene->geometries);
     kdr_alloc_release(alloc, scene, sizeof *scene);

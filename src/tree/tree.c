@@ -2,14 +2,15 @@
 
 #include "base/check.h"
 
-bool kdr_tree_reserve(kdr_tree *tree, kdr_alloc *alloc, uint32_t node_count, uint32_t group_count) {
+bool kdr_tree_reserve(kdr_tree *tree, kdr_bulk *bulk, uint32_t node_count, uint32_t group_count) {
     size_t node_bytes = (size_t)node_count * sizeof(kdr_node);
     size_t block_bytes = (size_t)group_count * KDR_BLOCK_GROUP_BYTES + KDR_BLOCK_TAIL_BYTES;
-    kdr_node *nodes = kdr_alloc_get(alloc, node_bytes, 64);
-    float *blocks = kdr_alloc_get(alloc, block_bytes, 64);
+    size_t node_size = node_bytes, block_size = block_bytes;
+    kdr_node *nodes = kdr_bulk_get(bulk, &node_size);
+    float *blocks = kdr_bulk_get(bulk, &block_size);
     if (!nodes || !blocks) {
-        kdr_alloc_release(alloc, nodes, node_bytes);
-        kdr_alloc_release(alloc, blocks, block_bytes);
+        kdr_bulk_put(bulk, nodes, node_bytes);
+        kdr_bulk_put(bulk, blocks, block_bytes);
         return false;
     }
 
@@ -24,17 +25,17 @@ bool kdr_tree_reserve(kdr_tree *tree, kdr_alloc *alloc, uint32_t node_count, uin
     return true;
 }
 
-bool kdr_tree_init_empty(kdr_tree *tree, kdr_alloc *alloc) {
+bool kdr_tree_init_empty(kdr_tree *tree, kdr_bulk *bulk) {
     *tree = (kdr_tree){.bounds = kdr_box_empty(), .cost_traversal = 1, .cost_intersection = 1};
-    if (!kdr_tree_reserve(tree, alloc, 2, 0))
+    if (!kdr_tree_reserve(tree, bulk, 2, 0))
         return false;
     tree->nodes[0] = tree->nodes[1] = kdr_node_leaf(0, 0);
     return true;
 }
 
-void kdr_tree_release(kdr_tree *tree, kdr_alloc *alloc) {
-    kdr_alloc_release(alloc, tree->nodes, tree->node_bytes);
-    kdr_alloc_release(alloc, tree->blocks, tree->block_bytes);
-    kdr_alloc_release(alloc, tree->wide, tree->wide_bytes);
+void kdr_tree_release(kdr_tree *tree, kdr_bulk *bulk) {
+    kdr_bulk_put(bulk, tree->nodes, tree->node_bytes);
+    kdr_bulk_put(bulk, tree->blocks, tree->block_bytes);
+    kdr_bulk_put(bulk, tree->wide, tree->wide_bytes);
     *tree = (kdr_tree){.bounds = kdr_box_empty()};
 }

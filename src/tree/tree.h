@@ -2,7 +2,7 @@
 #ifndef KDR_TREE_TREE_H
 #define KDR_TREE_TREE_H
 
-#include "base/alloc.h"
+#include "base/bulk.h"
 #include "geometry/box.h"
 #include "tree/block.h"
 
@@ -17,16 +17,17 @@ typedef struct kdr_tree {
     float cost_traversal, cost_intersection;
     uint32_t depth_limit;
     struct kdr_wide_node *wide; /* see wide.h; NULL: not asked for, or the root is a leaf */
-    size_t node_bytes, block_bytes, wide_bytes; /* allocated */
+    size_t node_bytes, block_bytes, wide_bytes;
 } kdr_tree;
 
 /* A tree of one empty leaf. False when there is no memory. */
-bool kdr_tree_init_empty(kdr_tree *tree, kdr_alloc *alloc);
+bool kdr_tree_init_empty(kdr_tree *tree, kdr_bulk *bulk);
 
 /* Room for nodes and groups; contents are not set. False, and nothing held, when there is no memory. */
-bool kdr_tree_reserve(kdr_tree *tree, kdr_alloc *alloc, uint32_t node_count, uint32_t group_count);
+bool kdr_tree_reserve(kdr_tree *tree, kdr_bulk *bulk, uint32_t node_count, uint32_t group_count);
 
-void kdr_tree_release(kdr_tree *tree, kdr_alloc *alloc);
+/* Memory goes back to the bulk it came from, where the next tree finds it. */
+void kdr_tree_release(kdr_tree *tree, kdr_bulk *bulk);
 
 /* Equal for equal trees, however they lie in memory: planes, and the primitives of each leaf in order. */
 uint64_t kdr_tree_hash(const kdr_tree *tree);

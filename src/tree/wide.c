@@ -23,7 +23,7 @@ typedef struct opening {
 typedef struct writer {
     const kdr_tree *tree;
     const kdr_box *boxes;
-    kdr_alloc *alloc;
+    kdr_bulk *bulk;
     kdr_wide_node *out; /* grows; NULL: memory ran out */
     uint32_t count, capacity;
 } writer;
@@ -113,10 +113,11 @@ static void rank_members(const opening *o, uint32_t at, uint32_t before, uint32_
 
 /* Moves the nodes written so far into memory for `capacity`. */
 static void change_capacity(writer *w, uint32_t capacity) {
-    kdr_wide_node *more = kdr_alloc_array(w->alloc, capacity, sizeof *more, 64);
+    size_t size = capacity * sizeof(kdr_wide_node);
+    kdr_wide_node *more = kdr_bulk_get(w->bulk, &size);
     if (more && w->count > 0)
         memcpy(more, w->out, w->count * sizeof *more);
-    kdr_alloc_release(w->alloc, w->out, w->capacity * sizeof *more);
+    kdr_bulk_put(w->bulk, w->out, w->capacity * sizeof *more);
     w->out = more;
     w->capacity = capacity;
 }
@@ -162,14 +163,14 @@ static void join_boxes(const kdr_tree *tree, kdr_box *boxes) {
     }
 }
 
-bool kdr_tree_add_wide(kdr_tree *tree, kdr_alloc *alloc, kdr_box *boxes) {
+bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_box *boxes) {
     if (kdr_node_is_leaf(tree->nodes[0]))
         return true;
     join_boxes(tree, boxes);
 
     /* A node opens up to 15 interior ones, and mostly does. */
     uint32_t interiors = (tree->node_count - 2) / 2;
-    writer w = {.tree = tree, .boxes = boxes, .alloc = alloc};
+    writer w = {.tree = tree, .boxes = boxes, .bulk = bulk};
     change_capacity(&w, interiors / 8 + 16);
     if (w.out)
         write_node(&w, 0);

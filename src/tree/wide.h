@@ -23,6 +23,6 @@ typedef struct kdr_wide_node {
 #define KDR_WIDE_LEAF 0x80000000u
 
 /* Makes the wide nodes. boxes has one entry a node: for leaf i its tight box; those of interior nodes are written here. A tree whose root is a leaf has no wide nodes. False when there is no memory. */
-bool kdr_tree_add_wide(kdr_tree *tree, kdr_alloc *alloc, kdr_box *boxes);
+bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_box *boxes);
 
 #endif

@@ -68,7 +68,8 @@ static bool integer_triangle(const int numbers[5][3], float *t) {
     return true;
 }
 
-/* Draws triangles and rays with coordinates in [-limit, limit]; a small limit makes edge, vertex and edge-on hits common. */
+/* Draws triangles and rays with coordinates in [-limit, limit]; a small limit makes edge, vertex and edge-on hits
+ * common. */
 static void hold_against_integers(int limit, int exponent, uint64_t sequence) {
     test_random random = test_random_start(test_random_seed(), sequence);
     int hits = 0;
@@ -187,7 +188,8 @@ static void edges_and_vertices_are_inside_and_one_step_of_a_float_beyond_is_not(
         assert_true(oracle_triangle(&ray, corner_a, corner_b, corner_c, &t) && t == 1);
         assert_true(oracle_triangle(&ray, corner_c, corner_b, corner_a, &t) && t == 1);
     }
-    const float outside[][2] = {{-0x1p-149f, 0}, {1, 0x1p-149f}, {0, -0x1p-149f}, {1 + 0x1p-23f, 0}, {0.5f, 0.5f + 0x1p-24f}};
+    const float outside[][2] = {{-0x1p-149f, 0}, {1, 0x1p-149f}, {0, -0x1p-149f}, {1 + 0x1p-23f, 0},
+                                {0.5f, 0.5f + 0x1p-24f}};
     for (size_t i = 0; i < sizeof(outside) / sizeof(outside[0]); i++) {
         kdr_ray ray = ray_from(outside[i][0], outside[i][1], 1, 0, 0, -1);
         assert_false(oracle_triangle(&ray, corner_a, corner_b, corner_c, &t));
@@ -197,7 +199,8 @@ static void edges_and_vertices_are_inside_and_one_step_of_a_float_beyond_is_not(
 static void a_triangle_seen_edge_on_or_without_area_is_not_hit(void **state) {
     (void)state;
     float t;
-    kdr_ray within = ray_from(-1, 0.25f, 0, 1, 0, 0), along = ray_from(-1, 0, 0, 1, 0, 0), beside = ray_from(-1, 0, 1, 1, 0, 0);
+    kdr_ray within = ray_from(-1, 0.25f, 0, 1, 0, 0), along = ray_from(-1, 0, 0, 1, 0, 0);
+    kdr_ray beside = ray_from(-1, 0, 1, 1, 0, 0);
     assert_false(oracle_triangle(&within, corner_a, corner_b, corner_c, &t));
     assert_false(oracle_triangle(&along, corner_a, corner_b, corner_c, &t));
     assert_false(oracle_triangle(&beside, corner_a, corner_b, corner_c, &t));
@@ -287,7 +290,8 @@ static void the_oracles_tree_answers_as_its_brute_force(void **state) {
         // Triangles on a coarse grid, on a fine one, and of floats of any bits.
         for (int i = 0; i < COUNT * 9; i++)
             vertices[i] = grid == 2 ? any_float(&random) : (float)test_random_below(&random, grid ? 4096 : 6);
-        kdr_triangles_def def = {.vertices = vertices, .vertex_stride = 12, .vertex_count = COUNT * 3, .triangle_count = COUNT};
+        kdr_triangles_def def = {.vertices = vertices, .vertex_stride = 12, .vertex_count = COUNT * 3,
+                                 .triangle_count = COUNT};
         oracle_scene scene = oracle_scene_create(&def, 1);
         oracle_tree tree = oracle_tree_create(&scene);
         int hits = 0;

@@ -1,5 +1,5 @@
-/* Scenes on lattices, where split planes, vertices, edges and ray origins coincide: rays that run in split planes, along
- * edges and through vertices by the thousand. */
+/* Scenes on lattices, where split planes, vertices, edges and ray origins coincide: rays that run in split planes,
+ * along edges and through vertices by the thousand. */
 #include "support/everywhere.h"
 #include "support/soup.h"
 #include "support/test_size.h"
@@ -68,8 +68,9 @@ static kdr_ray half_step_ray(test_random *random, int steps) {
             v[k] = step == 0 && test_random_below(random, 2) ? -0.0f : (float)step;
         }
     } while (v[3] == 0 && v[4] == 0 && v[5] == 0);
-    return (kdr_ray){.origin_x = v[0], .origin_y = v[1], .origin_z = v[2], .tmin = test_random_below(random, 4) ? 0 : -1,
-                     .direction_x = v[3], .direction_y = v[4], .direction_z = v[5], .tmax = INFINITY};
+    float tmin = test_random_below(random, 4) ? 0 : -1;
+    return (kdr_ray){.origin_x = v[0], .origin_y = v[1], .origin_z = v[2], .tmin = tmin, .direction_x = v[3],
+                     .direction_y = v[4], .direction_z = v[5], .tmax = INFINITY};
 }
 
 static void rays_in_the_faces_of_a_lattice_hit_what_the_oracle_says(void **state) {
@@ -164,8 +165,8 @@ static void thousands_of_triangles_at_one_place_are_built_and_answered(void **st
         memcpy(triangles + 9 * i, one, sizeof(one));
     kdr_ray rays[RAYS];
     for (int i = 0; i < RAYS; i++)
-        rays[i] = (kdr_ray){.origin_x = (float)(i % 7) / 8 - 0.375f, .origin_y = (float)(i % 5) / 8 - 0.25f, .origin_z = 4,
-                            .direction_z = -1, .tmax = INFINITY};
+        rays[i] = (kdr_ray){.origin_x = (float)(i % 7) / 8 - 0.375f, .origin_y = (float)(i % 5) / 8 - 0.25f,
+                            .origin_z = 4, .direction_z = -1, .tmax = INFINITY};
     hold_rays(triangles, COPIES, rays, RAYS, RAYS, "copies");
     free(triangles);
 }

@@ -8,8 +8,8 @@
 #define TURN 6.283185307179586
 
 static closed_mesh mesh_create(size_t vertex_count, size_t triangle_count) {
-    return (closed_mesh){test_allocate(3 * vertex_count, sizeof(float)), test_allocate(3 * triangle_count, sizeof(uint32_t)),
-                         vertex_count, triangle_count};
+    return (closed_mesh){test_allocate(3 * vertex_count, sizeof(float)),
+                         test_allocate(3 * triangle_count, sizeof(uint32_t)), vertex_count, triangle_count};
 }
 
 void closed_mesh_destroy(closed_mesh *mesh) {
@@ -37,8 +37,8 @@ static const uint32_t faces[20][3] = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 1
                                       {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
                                       {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
 
-/* Vertex (i, j) of a face's lattice, the weights being n - i - j, i and j. A vertex of two faces gets the same floats from
- * both: the sum is taken in the order of the corners' numbers. */
+/* Vertex (i, j) of a face's lattice, the weights being n - i - j, i and j. A vertex of two faces gets the same floats
+ * from both: the sum is taken in the order of the corners' numbers. */
 static void face_vertex(const uint32_t face[3], uint32_t n, uint32_t i, uint32_t j, float out[3]) {
     double weights[12] = {0}, sum[3] = {0};
     weights[face[0]] = n - i - j;

@@ -17,7 +17,8 @@ closed_mesh closed_mesh_sphere(uint32_t steps);
 /* Around the z axis, the tube's middle at distance 1, its radius 0.4. */
 closed_mesh closed_mesh_torus(uint32_t around, uint32_t across);
 
-/* The sphere with its vertices moved along their directions by smooth waves: radius 0.4 to 1.6, seen whole from the origin. */
+/* The sphere with its vertices moved along their directions by smooth waves: radius 0.4 to 1.6, seen whole from the
+ * origin. */
 closed_mesh closed_mesh_blob(uint32_t steps);
 
 /* Moves every vertex to the nearest multiple of `step`. */

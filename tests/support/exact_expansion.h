@@ -1,9 +1,9 @@
 /* Exact sums of doubles, for an oracle that must never be in doubt.
  *
  * Source: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997.
- * An expansion is an unevaluated sum of doubles that do not overlap, in increasing magnitude and without zeros, so its sign
- * is that of its last part. Exact as long as no operation overflows or underflows: products of three floats, and these
- * times one more float's midpoint, stay within 2^-600 and 2^520, far inside the range of double.
+ * An expansion is an unevaluated sum of doubles that do not overlap, in increasing magnitude and without zeros, so its
+ * sign is that of its last part. Exact as long as no operation overflows or underflows: products of three floats, and
+ * these times one more float's midpoint, stay within 2^-600 and 2^520, far inside the range of double.
  *
  * Round to nearest and plain doubles are assumed, with no contraction to fused operations. */
 #ifndef KDR_TESTS_SUPPORT_EXACT_EXPANSION_H

@@ -7,8 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A sum of triple products of differences has at most 8 roundings on the way from the floats to each term; the bound is
- * this times the sum of the terms' magnitudes, and twice what is needed. No term can underflow: see exact_expansion.h. */
+/* A sum of triple products of differences has at most 8 roundings on the way from the floats to each term; the bound
+ * is this times the sum of the terms' magnitudes, and twice what is needed. No term can underflow: see
+ * exact_expansion.h. */
 #define ERROR_FACTOR 0x1p-49
 
 bool oracle_ray_is_valid(const kdr_ray *ray) {
@@ -126,17 +127,6 @@ bool oracle_triangle_exact(const kdr_ray *ray, const float a[3], const float b[3
     return true;
 }
 
-void oracle_barycentric(const kdr_ray *ray, const float a[3], const float b[3], const float c[3], double *u, double *v) {
-    float o[3], d[3];
-    ray_vectors(ray, o, d);
-    expansion edge, denominator;
-    denominator_exact(&denominator, d, a, b, c);
-    edge_exact(&edge, d, o, c, a);
-    *u = expansion_estimate(&edge) / expansion_estimate(&denominator);
-    edge_exact(&edge, d, o, a, b);
-    *v = expansion_estimate(&edge) / expansion_estimate(&denominator);
-}
-
 /* --------------------------------------------------------------------------------------------- the filter */
 
 static inline void subtract(double out[3], const float p[3], const float o[3]) {
@@ -215,6 +205,27 @@ bool oracle_triangle(const kdr_ray *ray, const float a[3], const float b[3], con
     return true;
 }
 
+double oracle_barycentric(const kdr_ray *ray, const float a[3], const float b[3], const float c[3], double *u,
+                          double *v) {
+    float o[3], d[3];
+    ray_vectors(ray, o, d);
+    expansion edge, denominator;
+    denominator_exact(&denominator, d, a, b, c);
+    edge_exact(&edge, d, o, c, a);
+    *u = expansion_estimate(&edge) / expansion_estimate(&denominator);
+    edge_exact(&edge, d, o, a, b);
+    *v = expansion_estimate(&edge) / expansion_estimate(&denominator);
+
+    double direction[3] = {d[0], d[1], d[2]}, da[3], db[3], dc[3], errors[3];
+    subtract(da, a, o);
+    subtract(db, b, o);
+    subtract(dc, c, o);
+    determinant(direction, db, dc, &errors[0]);
+    determinant(direction, dc, da, &errors[1]);
+    determinant(direction, da, db, &errors[2]);
+    return 2 * (errors[0] + errors[1] + errors[2]) / fabs(expansion_estimate(&denominator));
+}
+
 /* ------------------------------------------------------------------------------------------------ scenes */
 
 static void *allocate(size_t count, size_t size) {
@@ -290,7 +301,8 @@ oracle_hit oracle_closest(const oracle_scene *scene, const kdr_ray *ray) {
     for (size_t i = 0; i < scene->count; i++)
         oracle_improve(ray, &scene->primitives[i], &best);
     if (best.primitive)
-        oracle_barycentric(ray, best.primitive->a, best.primitive->b, best.primitive->c, &best.u, &best.v);
+        best.weight_doubt =
+            oracle_barycentric(ray, best.primitive->a, best.primitive->b, best.primitive->c, &best.u, &best.v);
     return best;
 }
 

@@ -22,8 +22,10 @@ bool oracle_triangle(const kdr_ray *ray, const float a[3], const float b[3], con
 /* The same by expansions alone: the slow path that checks the filter. */
 bool oracle_triangle_exact(const kdr_ray *ray, const float a[3], const float b[3], const float c[3], float *t);
 
-/* Barycentric coordinates of the point where that line meets the triangle's plane, correct to a few units of double. */
-void oracle_barycentric(const kdr_ray *ray, const float a[3], const float b[3], const float c[3], double *u, double *v);
+/* Barycentric coordinates of the point where that line meets the triangle's plane, correct to a few units of double.
+ * Returns how far from them plain doubles may end, since the edge functions they come from cancel. */
+double oracle_barycentric(const kdr_ray *ray, const float a[3], const float b[3], const float c[3], double *u,
+                          double *v);
 
 typedef struct oracle_primitive {
     float a[3], b[3], c[3];
@@ -46,6 +48,7 @@ typedef struct oracle_hit {
     const oracle_primitive *primitive; /* NULL: a miss */
     float t;
     double u, v;
+    double weight_doubt; /* of u and v in plain doubles */
 } oracle_hit;
 
 /* Brute force over all triangles. */

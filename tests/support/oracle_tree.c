@@ -152,7 +152,8 @@ static oracle_hit walk(const oracle_tree *tree, const kdr_ray *ray, bool any) {
 oracle_hit oracle_tree_closest(const oracle_tree *tree, const kdr_ray *ray) {
     oracle_hit best = walk(tree, ray, false);
     if (best.primitive)
-        oracle_barycentric(ray, best.primitive->a, best.primitive->b, best.primitive->c, &best.u, &best.v);
+        best.weight_doubt =
+            oracle_barycentric(ray, best.primitive->a, best.primitive->b, best.primitive->c, &best.u, &best.v);
     return best;
 }
 

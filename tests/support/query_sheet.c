@@ -50,6 +50,7 @@ bool query_answer_is_right(const kdr_ray *ray, const oracle_hit *answer, const k
     const kdr_hit *hit = &given->hit;
     kdr_ray expected = *ray;
     const char *wrong = NULL;
+    double weight_slack = QUERY_WEIGHT_SLACK + answer->weight_doubt;
     if (!answer->primitive) {
         wrong = hit->geometry != KDR_INVALID_ID ? "a hit where there is none" : NULL;
     } else {
@@ -61,7 +62,7 @@ bool query_answer_is_right(const kdr_ray *ray, const oracle_hit *answer, const k
             wrong = "another triangle";
         else if (given->ray.tmax != answer->t)
             wrong = "another distance";
-        else if (!(fabs(hit->u - answer->u) <= QUERY_WEIGHT_SLACK && fabs(hit->v - answer->v) <= QUERY_WEIGHT_SLACK))
+        else if (!(fabs(hit->u - answer->u) <= weight_slack && fabs(hit->v - answer->v) <= weight_slack))
             wrong = "other weights";
         else if (!normal_is_right(answer->primitive, normal))
             wrong = "another normal";

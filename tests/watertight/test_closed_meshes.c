@@ -1,7 +1,7 @@
 /* Closed meshes seen from inside: rays at vertices, at the middles of edges and at points of edges never slip through.
  *
- * Half of the meshes have their vertices on a lattice of 2^-11 and are seen from points of a lattice, so that the rays go
- * through vertices and edges exactly. KDR_TEST_LONG=1 shoots ten million rays, else it is a part of that. */
+ * Half of the meshes have their vertices on a lattice of 2^-11 and are seen from points of a lattice, so that the rays
+ * go through vertices and edges exactly. KDR_TEST_LONG=1 shoots ten million rays, else it is a part of that. */
 #include "support/closed_mesh.h"
 #include "support/everywhere.h"
 #include "support/soup.h"
@@ -91,7 +91,7 @@ static void shoot_run(void *context, uint32_t index) {
 }
 
 /* Shoots on every instruction set, most of the rays on the widest. */
-static void shoot(closed_mesh mesh, origin_fn *origin, uint64_t sequence) {
+static void assert_no_miss(closed_mesh mesh, origin_fn *origin, uint64_t sequence) {
     uint32_t runs = (uint32_t)(test_is_long() ? RAYS_LONG : RAYS_SHORT) / RUN / 6;
     kdr_triangles_def def = closed_mesh_def(&mesh);
     oracle_scene oracle = oracle_scene_create(&def, 1);
@@ -118,38 +118,68 @@ static void shoot(closed_mesh mesh, origin_fn *origin, uint64_t sequence) {
 
 static void no_ray_leaves_a_geodesic_sphere(void **state) {
     (void)state;
-    shoot(closed_mesh_sphere(30), origin_in_ball, 1);
+    assert_no_miss(closed_mesh_sphere(30), origin_in_ball, 1);
 }
 
 static void no_ray_leaves_a_geodesic_sphere_through_exact_vertices_and_edges(void **state) {
     (void)state;
     closed_mesh mesh = closed_mesh_sphere(20);
     closed_mesh_snap(&mesh, SNAP);
-    shoot(mesh, origin_in_ball, 2);
+    assert_no_miss(mesh, origin_in_ball, 2);
 }
 
 static void no_ray_leaves_a_torus(void **state) {
     (void)state;
-    shoot(closed_mesh_torus(150, 70), origin_in_torus, 3);
+    assert_no_miss(closed_mesh_torus(150, 70), origin_in_torus, 3);
 }
 
 static void no_ray_leaves_a_torus_through_exact_vertices_and_edges(void **state) {
     (void)state;
     closed_mesh mesh = closed_mesh_torus(100, 50);
     closed_mesh_snap(&mesh, SNAP);
-    shoot(mesh, origin_in_torus, 4);
+    assert_no_miss(mesh, origin_in_torus, 4);
 }
 
 static void no_ray_leaves_a_blob(void **state) {
     (void)state;
-    shoot(closed_mesh_blob(40), origin_in_ball, 5);
+    assert_no_miss(closed_mesh_blob(40), origin_in_ball, 5);
 }
 
 static void no_ray_leaves_a_blob_through_exact_vertices_and_edges(void **state) {
     (void)state;
     closed_mesh mesh = closed_mesh_blob(25);
     closed_mesh_snap(&mesh, SNAP);
-    shoot(mesh, origin_in_ball, 6);
+    assert_no_miss(mesh, origin_in_ball, 6);
+}
+
+/* The plane z = 0 cuts the torus along edges, and trees along that plane: such rays run between two cells all the way,
+ * and meet four triangles at a vertex. Directions of two lengths, since short ones take another path. */
+static void rays_between_two_halves_of_a_torus_see_both(void **state) {
+    (void)state;
+    enum { COUNT = TEST_SIZE(4000) };
+    closed_mesh mesh = closed_mesh_torus(100, 50);
+    closed_mesh_snap(&mesh, SNAP);
+    kdr_triangles_def def = closed_mesh_def(&mesh);
+    oracle_scene oracle = oracle_scene_create(&def, 1);
+    oracle_tree tree = oracle_tree_create(&oracle);
+    test_random random = test_random_start(test_random_seed(), 7);
+    kdr_ray *rays = test_allocate(COUNT, sizeof(kdr_ray));
+    for (int i = 0; i < COUNT; i++) {
+        float o[3], target[3];
+        origin_in_torus(&random, o);
+        choose_target(&random, &mesh, 0, target);
+        float length = i % 2 ? 1 : 0x1p-110f;
+        rays[i] = (kdr_ray){.origin_x = o[0], .origin_y = o[1], .direction_x = (target[0] - o[0]) * length,
+                            .direction_y = (target[1] - o[1]) * length, .tmax = INFINITY};
+    }
+    query_sheet sheet = query_sheet_create(&tree, rays, COUNT);
+    assert_true(sheet.hit_count == COUNT);
+    hold_everywhere(&def, 1, &sheet, 2, "torus cut in halves");
+    query_sheet_destroy(&sheet);
+    free(rays);
+    oracle_tree_destroy(&tree);
+    oracle_scene_destroy(&oracle);
+    closed_mesh_destroy(&mesh);
 }
 
 /* Every edge belongs to two triangles that run along it in opposite directions. */
@@ -182,6 +212,7 @@ int main(void) {
         cmocka_unit_test(no_ray_leaves_a_geodesic_sphere_through_exact_vertices_and_edges),
         cmocka_unit_test(no_ray_leaves_a_torus),
         cmocka_unit_test(no_ray_leaves_a_torus_through_exact_vertices_and_edges),
+        cmocka_unit_test(rays_between_two_halves_of_a_torus_see_both),
         cmocka_unit_test(no_ray_leaves_a_blob),
         cmocka_unit_test(no_ray_leaves_a_blob_through_exact_vertices_and_edges),
     };
