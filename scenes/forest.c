@@ -7,8 +7,9 @@
 enum { GROUND, BARK, LEAVES, LEAF_COLOURS = 4 };
 
 static const kdr_recipe_material materials[] = {
-    {"ground", {0.20f, 0.17f, 0.09f}}, {"bark", {0.24f, 0.14f, 0.07f}}, {"spring leaf", {0.26f, 0.46f, 0.07f}},
-    {"summer leaf", {0.10f, 0.34f, 0.07f}}, {"dark leaf", {0.06f, 0.24f, 0.09f}}, {"autumn leaf", {0.62f, 0.28f, 0.05f}},
+    {"ground", {0.20f, 0.17f, 0.09f}},      {"bark", {0.24f, 0.14f, 0.07f}},
+    {"spring leaf", {0.26f, 0.46f, 0.07f}}, {"summer leaf", {0.10f, 0.34f, 0.07f}},
+    {"dark leaf", {0.06f, 0.24f, 0.09f}},   {"autumn leaf", {0.62f, 0.28f, 0.05f}},
 };
 
 typedef struct tree_plan {
@@ -37,7 +38,7 @@ static tree_plan plan_tree(size_t triangles, kdr_chance chance) {
         wood += more;
     }
     plan.leaf_count = triangles > wood ? (triangles - wood) / 2 : 0;
-    plan.leaf_size = 1.1 / sqrt((double)plan.leaf_count + 20);
+    plan.leaf_size = 2.3 / sqrt((double)plan.leaf_count + 20);
     plan.leaf_material = LEAVES + kdr_chance_below(&plan.chance, LEAF_COLOURS);
     return plan;
 }
@@ -69,7 +70,7 @@ static void draw_branch(kdr_shape *shape, tree_plan *tree, kdr_frame branch, dou
             kdr_shape_skip(shape, 4 * leaves, 2 * leaves);
             return;
         }
-        double spread = 0.33 / sqrt((double)tree->tip_count) + 0.06;
+        double spread = 0.5 / sqrt((double)tree->tip_count) + 0.08;
         for (size_t i = 0; i < leaves; i++)
             draw_leaf(shape, tree, &branch, length, spread);
         return;
@@ -79,7 +80,7 @@ static void draw_branch(kdr_shape *shape, tree_plan *tree, kdr_frame branch, dou
     for (int i = 0; i < CHILDREN; i++) {
         kdr_frame child = kdr_frame_turn_y(branch, start + i / (double)CHILDREN);
         child = kdr_frame_turn_x(child, kdr_chance_between(chance, 0.06, 0.13));
-        child.origin = kdr_point_along(branch.origin, branch.y, length * kdr_chance_between(chance, 0.75, 0.98));
+        child.origin = kdr_point_along(branch.origin, branch.y, length * kdr_chance_between(chance, 0.6, 0.98));
         double shrink = kdr_chance_between(chance, 0.65, 0.85);
         draw_branch(shape, tree, child, length * shrink, radius * 0.62, generation + 1);
     }
