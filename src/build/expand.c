@@ -120,7 +120,7 @@ static kdr_opened make_leaf(kdr_build_state *state, kdr_build_worker *worker, co
 }
 
 /* True if the counts of a plane speak for it. A plane that does not pay is taken only to break up a leaf that is too
- * large, and only where it separates most of it. */
+ * large, and only where it separates most of it or cuts off empty space. */
 static bool is_worth_it(const kdr_build_state *state, const kdr_build_task *task, const kdr_split *split, uint64_t left,
                         uint64_t right) {
     uint64_t count = task->references.count;
@@ -128,7 +128,7 @@ static bool is_worth_it(const kdr_build_state *state, const kdr_build_task *task
         return false;
     if (split->cost < kdr_plan_leaf_cost(&state->plan, (uint32_t)count))
         return true;
-    return count > state->plan.leaf_limit && left < count && right < count && 2 * (left + right) <= 3 * count;
+    return count > state->plan.leaf_limit && 2 * (left + right) <= 3 * count;
 }
 
 static kdr_opened divide(kdr_build_state *state, kdr_build_worker *worker, bool parallel, pass *p,

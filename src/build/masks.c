@@ -39,7 +39,7 @@ static void open_masked(const masking *m, const masked_node *at) {
     kdr_split split = m->state->kernels->choose_masked(&m->table, at->set, &at->cell, plan, &left_set, &right_set);
     uint32_t left_count = (uint32_t)__builtin_popcount(left_set), right_count = (uint32_t)__builtin_popcount(right_set);
     bool pays = split.cost < kdr_plan_leaf_cost(plan, count);
-    bool forced = count > plan->leaf_limit && left_count < count && right_count < count;
+    bool forced = count > plan->leaf_limit;
     bool separates = left_count < count || right_count < count;
     if (!(split.cost < INFINITY) || !(pays || forced) || !separates || left_count + right_count > at->budget) {
         make_leaf(m, at);

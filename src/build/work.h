@@ -8,7 +8,7 @@
 #include "build/chunks.h"
 #include "build/kernels.h"
 
-#define KDR_PAIRS_PER_CHUNK 4096
+#define KDR_PAIRS_PER_CHUNK 16384
 #define KDR_IDS_PER_CHUNK 65536
 
 /* Nodes of at most this many references live in one worker's arena and second-level cache. */

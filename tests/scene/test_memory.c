@@ -119,6 +119,7 @@ static void a_scene_that_gets_no_memory_leaves_nothing_behind(void **state) {
     fixture *made = *state;
     failing_alloc_fail_nth(&made->memory, 0);
     kdr_device *device = device_on(&made->memory, 1);
+    kdr_device_trim(device);
     size_t bytes = kdr_device_bytes(device);
     for (uint64_t n = 1;; n++) {
         failing_alloc_fail_nth(&made->memory, n);
@@ -141,6 +142,7 @@ static void a_scene_that_gets_no_memory_leaves_nothing_behind(void **state) {
             assert_int_equal(geometry, i);
         }
         kdr_scene_destroy(scene);
+        kdr_device_trim(device); // a device keeps what its scenes give back
         assert_int_equal(kdr_device_bytes(device), bytes);
         if (!failed)
             break;

@@ -125,7 +125,7 @@ static void *ask(void *argument) {
 
 static void many_threads_ask_one_scene_at_once(void **state) {
     (void)state;
-    enum { RAYS = TEST_SIZE(20000) };
+    enum { RAYS = TEST_SIZE(2500) };
     test_random random = test_random_start(test_random_seed(), 50);
     soup_scene soup = soup_scene_create_kind(&random, soup_kind_find("small"), TRIANGLES / 10);
     oracle_scene oracle = oracle_scene_create(soup.geometries, SOUP_GEOMETRIES);
