@@ -15,6 +15,9 @@
 /* Rays in one call of a tracer: a block of 64x64 pixels. */
 #define KDR_BENCH_BLOCK 4096u
 
+/* The command; argv[0] is its name. Returns the exit status. */
+int kdr_command_bench(int argc, char **argv);
+
 /* ---- rays */
 
 typedef enum kdr_bench_kind {
