@@ -1,5 +1,6 @@
 /* kdray bench: its options, the scenes one after the other, and where the results go. */
 #include "bench.h"
+#include "command.h"
 #include "memory.h"
 #include "whole_file.h"
 
