@@ -1,5 +1,5 @@
-/* Any bytes as a PNG file: an image or one sentence, and no memory left behind. Mutated files get right check sums, so that
- * what they change is read at all. */
+/* Any bytes as a PNG file: an image or one sentence, and no memory left behind. Mutated files get right check sums, so
+ * that what they change is read at all. */
 #include "kdray/render.h"
 #include "render/image_png.h"
 
