@@ -14,15 +14,14 @@
 
 /* A wide node with children still to be visited. */
 typedef struct wide_visit {
+    float enter[KDR_WIDE];   /* where the ray enters a child's box; by child */
     const kdr_wide_node *node;
     uint32_t left;           /* a bit a rank, front first */
     uint8_t child[KDR_WIDE]; /* the child at a rank */
-    float enter[KDR_WIDE];   /* where the ray enters a child's box; by child */
 } wide_visit;
 
-/* Finds the children whose boxes the ray meets no later than tmax. */
-KDR_LANES_INLINE void wide_visit_begin(const kdr_wide_node *node, const float_ray *r, uint32_t octant, float tmax,
-                                       wide_visit *visit) {
+/* The children whose boxes the ray meets no later than tmax, a bit each, and where it enters them. */
+KDR_LANES_INLINE uint32_t wide_meet(const kdr_wide_node *node, const float_ray *r, float tmax, float enters[KDR_WIDE]) {
     const float *near[3], *far[3];
     for (int k = 0; k < 3; k++) {
         near[k] = r->near_is_right[k] ? node->hi[k] : node->lo[k];
@@ -37,11 +36,14 @@ KDR_LANES_INLINE void wide_visit_begin(const kdr_wide_node *node, const float_ra
         }
         enter = kdr_lanes_max(enter - r->slack, kdr_lanes_all(r->tmin));
         leave = kdr_lanes_min(leave + r->slack, kdr_lanes_all(tmax));
-        kdr_lanes_store(visit->enter + i, enter);
+        kdr_lanes_store(enters + i, enter);
         met |= (KDR_LANE_BITS_ALL & ~kdr_lanes_less(leave, enter)) << i;
     }
+    return met;
+}
 
-    /* Sort by rank, which is a matter of bits. */
+/* Sorts the children met by their rank, which is a matter of bits. */
+KDR_LANES_INLINE void wide_sort(const kdr_wide_node *node, uint32_t met, uint32_t octant, wide_visit *visit) {
     visit->node = node;
     visit->left = 0;
     for (; met; met &= met - 1) {
@@ -55,31 +57,41 @@ KDR_LANES_INLINE void wide_visit_begin(const kdr_wide_node *node, const float_ra
 KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const float_ray *r, const kdr_ray_frame *f, float tmin,
                                     float tmax, const bool any, kdr_closest *closest) {
     const uint32_t octant = r->near_is_right[0] | r->near_is_right[1] << 1 | r->near_is_right[2] << 2;
-    wide_visit stack[KDR_MAX_DEPTH + 1];
-    wide_visit *visit = stack;
-    wide_visit_begin(&tree->wide[0], r, octant, r->tmax, visit);
+    wide_visit stack[KDR_MAX_DEPTH + 2]; /* those below `top` wait; the one at `top` is scratch */
+    uint32_t top = 0, child = 0;
     for (;;) {
-        while (visit->left == 0) {
-            if (visit == stack)
-                return !any && closest->primitive != UINT32_MAX;
-            visit--;
-        }
-        uint32_t place = visit->child[__builtin_ctz(visit->left)];
-        visit->left &= visit->left - 1;
-        if (!any && visit->enter[place] > closest->t)
-            continue;
-        uint32_t child = visit->node->child[place];
         if (!(child & KDR_WIDE_LEAF)) {
+            /* Open a node. Most often the ray meets one child of it, which needs neither sorting nor waiting. */
+            const kdr_wide_node *node = &tree->wide[child];
             float end = !any && closest->t < r->tmax ? closest->t : r->tmax;
-            wide_visit_begin(&tree->wide[child], r, octant, end, visit + 1);
-            visit++;
-            continue;
+            uint32_t met = wide_meet(node, r, end, stack[top].enter);
+            if (met != 0 && (met & (met - 1)) == 0) {
+                child = node->child[__builtin_ctz(met)];
+                continue;
+            }
+            if (met != 0)
+                wide_sort(node, met, octant, &stack[top++]);
+        } else {
+            /* Ask a leaf. */
+            kdr_node leaf = tree->nodes[child & ~KDR_WIDE_LEAF];
+            if (any && kdr_block_any(tree->blocks, leaf, f, tmin, tmax))
+                return true;
+            if (!any)
+                kdr_block_closest(tree->blocks, leaf, f, tmin, closest);
         }
-        kdr_node leaf = tree->nodes[child & ~KDR_WIDE_LEAF];
-        if (any && kdr_block_any(tree->blocks, leaf, f, tmin, tmax))
-            return true;
-        if (!any)
-            kdr_block_closest(tree->blocks, leaf, f, tmin, closest);
+
+        /* Take the next child that begins no later than the closest hit, front to back. */
+        uint32_t place;
+        do {
+            while (top > 0 && stack[top - 1].left == 0)
+                top--;
+            if (top == 0)
+                return !any && closest->primitive != UINT32_MAX;
+            wide_visit *visit = &stack[top - 1];
+            place = visit->child[__builtin_ctz(visit->left)];
+            visit->left &= visit->left - 1;
+        } while (!any && stack[top - 1].enter[place] > closest->t);
+        child = stack[top - 1].node->child[place];
     }
 }
 
