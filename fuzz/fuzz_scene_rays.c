@@ -1,5 +1,6 @@
 /* Bytes to a scene and rays: build constants, a few dozen triangles and rays, as raw floats and snapped to small grids.
  * Every query must answer as the exact oracle does and every tree must be sound; aborts on the first difference. */
+#include "support/failing_alloc.h"
 #include "support/query_sheet.h"
 
 #include <math.h>
@@ -75,8 +76,13 @@ static kdr_build_def take_build_def(source *from) {
 static kdr_ray take_ray(source *from) {
     float v[6];
     take_floats(from, v, 6);
-    kdr_ray ray = {.origin_x = v[0], .origin_y = v[1], .origin_z = v[2], .direction_x = v[3], .direction_y = v[4],
-                   .direction_z = v[5], .tmax = INFINITY};
+    kdr_ray ray = {.origin_x = v[0],
+                   .origin_y = v[1],
+                   .origin_z = v[2],
+                   .direction_x = v[3],
+                   .direction_y = v[4],
+                   .direction_z = v[5],
+                   .tmax = INFINITY};
     switch (take_byte(from) % 4) {
     case 1: ray.tmin = take_raw(from), ray.tmax = take_raw(from); break;
     case 2: ray.tmin = take_snapped(from, false), ray.tmax = take_snapped(from, false); break;
@@ -94,14 +100,17 @@ static void demand(bool condition, const char *what) {
     abort();
 }
 
-/* One device for each instruction set, made once. */
+/* One device for each instruction set, made once and kept: its working memory is what a host's frames go through.
+ * Memory comes from the heap, where a leak detector finds its way. */
 static kdr_device *device_of(uint8_t choice) {
     static kdr_device *devices[KDR_ISA_NEON + 1];
+    static failing_alloc memory;
     kdr_isa isa = (kdr_isa)(choice % (KDR_ISA_NEON + 1));
     if (!devices[isa]) {
         kdr_device_def def = kdr_default_device_def();
         def.worker_count = 1;
         def.isa_limit = isa;
+        def.allocator = failing_alloc_functions(&memory);
         demand(kdr_device_create(&def, &devices[isa]) == KDR_OK, "a device is made");
     }
     return devices[isa];
@@ -109,7 +118,6 @@ static kdr_device *device_of(uint8_t choice) {
 
 static void check_scene(kdr_device *device, const kdr_triangles_def *defs, const kdr_build_def *build,
                         const kdr_ray *rays, size_t ray_count) {
-    size_t bytes = kdr_device_bytes(device);
     kdr_scene *scene;
     demand(kdr_scene_create(device, &scene) == KDR_OK, "a scene is made");
     for (int i = 0; i < GEOMETRIES; i++)
@@ -130,14 +138,11 @@ static void check_scene(kdr_device *device, const kdr_triangles_def *defs, const
     oracle_tree_destroy(&tree);
     oracle_scene_destroy(&oracle);
     kdr_scene_destroy(scene);
-    kdr_device_trim(device);
-    demand(kdr_device_bytes(device) <= bytes || bytes == 0, "all memory comes back");
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     source from = {data, size};
     kdr_device *device = device_of(take_byte(&from));
-    kdr_device_trim(device);
     kdr_build_def build = take_build_def(&from);
 
     float triangles[MOST_TRIANGLES][9];

@@ -8,7 +8,7 @@ kdr_ball kdr_ball_fit(size_t triangles) {
     kdr_ball best = {4, 1};
     size_t best_error = SIZE_MAX;
     for (kdr_ball ball = {.level = low}; ball.level <= level + 1; ball.level++)
-        for (ball.sectors = 4; ball.sectors <= 6; ball.sectors++) {
+        for (ball.sectors = 4; ball.sectors <= 8; ball.sectors++) {
             size_t count = kdr_ball_triangles(ball);
             size_t error = count > triangles ? count - triangles : triangles - count;
             if (error < best_error) {

@@ -46,7 +46,9 @@ const kdr_recipe kdr_recipe_shell = {
 #define BURST_PERIOD 6.0
 
 static const kdr_recipe_material explode_materials[] = {
-    {"ember", {0.80f, 0.20f, 0.04f}}, {"flame", {0.90f, 0.52f, 0.08f}}, {"ash", {0.30f, 0.28f, 0.27f}},
+    {"ember", {0.80f, 0.20f, 0.04f}},
+    {"flame", {0.90f, 0.52f, 0.08f}},
+    {"ash", {0.30f, 0.28f, 0.27f}},
     {"crust", {0.18f, 0.10f, 0.07f}},
 };
 

@@ -2,14 +2,26 @@
  * Lengths in metres, but for the town, which counts in lots. */
 #include "scenes/parts.h"
 
-enum { SKIN = KDR_CITY_MATERIAL_COUNT, SHIRTS = SKIN + 2, SHIRT_COUNT = 5, TROUSERS = SHIRTS + SHIRT_COUNT, TROUSER_COUNT = 3 };
+enum {
+    SKIN = KDR_CITY_MATERIAL_COUNT,
+    SHIRTS = SKIN + 2,
+    SHIRT_COUNT = 5,
+    TROUSERS = SHIRTS + SHIRT_COUNT,
+    TROUSER_COUNT = 3
+};
 
 static const kdr_recipe_material materials[] = {
     KDR_CITY_MATERIALS,
-    {"fair skin", {0.75f, 0.48f, 0.36f}}, {"dark skin", {0.28f, 0.14f, 0.08f}},
-    {"red shirt", {0.65f, 0.08f, 0.07f}}, {"blue shirt", {0.10f, 0.22f, 0.60f}}, {"green shirt", {0.10f, 0.42f, 0.16f}},
-    {"yellow shirt", {0.85f, 0.62f, 0.08f}}, {"white shirt", {0.80f, 0.80f, 0.78f}},
-    {"jeans", {0.07f, 0.10f, 0.24f}}, {"black trousers", {0.04f, 0.04f, 0.05f}}, {"khaki trousers", {0.40f, 0.34f, 0.20f}},
+    {"fair skin", {0.75f, 0.48f, 0.36f}},
+    {"dark skin", {0.28f, 0.14f, 0.08f}},
+    {"red shirt", {0.65f, 0.08f, 0.07f}},
+    {"blue shirt", {0.10f, 0.22f, 0.60f}},
+    {"green shirt", {0.10f, 0.42f, 0.16f}},
+    {"yellow shirt", {0.85f, 0.62f, 0.08f}},
+    {"white shirt", {0.80f, 0.80f, 0.78f}},
+    {"jeans", {0.07f, 0.10f, 0.24f}},
+    {"black trousers", {0.04f, 0.04f, 0.05f}},
+    {"khaki trousers", {0.40f, 0.34f, 0.20f}},
 };
 
 #define FIGURE_PARTS 10
@@ -110,7 +122,7 @@ static void draw(kdr_shape *shape, size_t triangle_count, double time) {
     size_t left = triangle_count - figures * figure_triangles - 2;
     uint32_t lots = left < 300 ? 2 : left < 3000 ? 4 : 6;
     double half = 0.65 * (double)side + 3, lot = 2 * half / lots;
-    shape->material = KDR_CITY_STREET;
+    shape->material = KDR_CITY_PAVEMENT;
     double far = half + 2 * lot;
     kdr_shape_quad(shape, (kdr_point){-far, 0, half}, (kdr_point){far + half, 0, 0}, (kdr_point){0, 0, -far - half});
     double middle = lots / 2.0;

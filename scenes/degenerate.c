@@ -1,7 +1,7 @@
 /* What a builder must survive: triangles by the thousand in one plane, exact copies, triangles without area, and a fan
  * whose triangles all meet in one vertex.
  *
- * Coordinates are whole multiples of 1 / 1024 below 4, exact as floats, and so are all areas: coplanar means exactly
+ * Coordinates are whole multiples of 1 / 8192 below 4, exact as floats, and so are all areas: coplanar means exactly
  * coplanar, and no area means exactly none. */
 #include "scenes/chance.h"
 #include "scenes/scenes.h"
@@ -9,7 +9,7 @@
 #define GRAIN (1.0 / 1024)
 
 static const kdr_recipe_material degenerate_materials[] = {
-    {"red", {0.60f, 0.10f, 0.08f}}, {"green", {0.16f, 0.42f, 0.14f}}, {"blue", {0.10f, 0.20f, 0.52f}},
+    {"red", {0.60f, 0.10f, 0.08f}},    {"green", {0.16f, 0.42f, 0.14f}}, {"blue", {0.10f, 0.20f, 0.52f}},
     {"yellow", {0.80f, 0.62f, 0.10f}}, {"white", {0.80f, 0.80f, 0.78f}}, {"violet", {0.34f, 0.12f, 0.42f}},
 };
 
@@ -32,23 +32,17 @@ static flat_triangle flat(kdr_chance *chance) {
     return flat;
 }
 
-#define PLANES 6
+#define PLANE_COUNT 6
 
 /* Three planes square to the axes, a second floor, and two slanted ones. */
 static kdr_point plane_point(uint32_t plane, double u, double v) {
     switch (plane) {
-    case 0:
-        return (kdr_point){v, -1, u};
-    case 1:
-        return (kdr_point){-1, u, v};
-    case 2:
-        return (kdr_point){u, v, -1};
-    case 3:
-        return (kdr_point){v, -0.25, u};
-    case 4:
-        return (kdr_point){v, -u / 2 - v / 2, u};
-    default:
-        return (kdr_point){v, u, 1 - u / 4 - v};
+    case 0: return (kdr_point){v, -1, u};
+    case 1: return (kdr_point){-1, u, v};
+    case 2: return (kdr_point){u, v, -1};
+    case 3: return (kdr_point){v, -0.25, u};
+    case 4: return (kdr_point){v, -u / 2 - v / 2, u};
+    default: return (kdr_point){u / 4 + v / 8, v, u};
     }
 }
 
@@ -61,7 +55,7 @@ static void draw_heap(kdr_shape *shape, size_t triangle_count, double time) {
     for (size_t i = 0; i < triangle_count; i++) {
         kdr_chance chance = kdr_chance_of(7, i);
         flat_triangle t = flat(&chance);
-        uint32_t plane = (uint32_t)(i % PLANES);
+        uint32_t plane = (uint32_t)(i % PLANE_COUNT);
         shape->material = plane;
         kdr_shape_facet(shape, plane_point(plane, t.u[0], t.v[0]), plane_point(plane, t.u[1], t.v[1]),
                         plane_point(plane, t.u[2], t.v[2]));
@@ -109,8 +103,9 @@ static void draw_areas_of_zero(kdr_shape *shape, size_t count) {
     kdr_point up = {0, 1, 0};
     for (size_t i = 0; i < count; i++) {
         kdr_chance chance = kdr_chance_of(10, i);
-        kdr_point a = {grains(&chance, -1024, 1024), grains(&chance, 0, 2048), grains(&chance, -1024, 1024)};
-        kdr_point step = {grains(&chance, 1, 64), grains(&chance, 1, 64), grains(&chance, 1, 64)};
+        double x = grains(&chance, -1024, 1024), y = grains(&chance, 0, 2048), z = grains(&chance, -1024, 1024);
+        double right = grains(&chance, 1, 64), up_by = grains(&chance, 1, 64), near = grains(&chance, 1, 64);
+        kdr_point a = {x, y, z}, step = {right, up_by, near};
         uint32_t first = kdr_shape_vertex(shape, a, up);
         uint32_t second = kdr_shape_vertex(shape, i % 4 == 0 ? a : kdr_point_add(a, step), up);
         uint32_t third = kdr_shape_vertex(shape, i % 4 == 3 ? kdr_point_along(a, step, 2) : a, up);

@@ -52,7 +52,9 @@ static kdr_point terrain_point(const void *context, size_t row, size_t column) {
 enum { EARTH, MEADOW, ROCK, SNOW };
 
 static const kdr_recipe_material terrain_materials[] = {
-    {"earth", {0.30f, 0.20f, 0.12f}}, {"meadow", {0.20f, 0.36f, 0.10f}}, {"rock", {0.38f, 0.34f, 0.30f}},
+    {"earth", {0.30f, 0.20f, 0.12f}},
+    {"meadow", {0.20f, 0.36f, 0.10f}},
+    {"rock", {0.38f, 0.34f, 0.30f}},
     {"snow", {0.90f, 0.92f, 0.95f}},
 };
 
@@ -63,7 +65,9 @@ static void colour_terrain(kdr_shape *shape) {
     for (size_t i = 0; i < shape->triangle_count; i++) {
         size_t vertex = shape->indices[3 * i];
         float height = shape->positions[3 * vertex + 1], upright = shape->normals[3 * vertex + 1];
-        shape->materials[i] = height > 0.42f && upright > 0.45f ? SNOW : upright > 0.72f && height < 0.36f ? MEADOW : ROCK;
+        shape->materials[i] = height > 0.42f && upright > 0.45f   ? SNOW
+                              : upright > 0.72f && height < 0.36f ? MEADOW
+                                                                  : ROCK;
     }
 }
 
@@ -90,14 +94,16 @@ static void close_terrain(kdr_shape *shape, const height_field *field) {
         return;
     }
     shape->material = EARTH;
-    kdr_point down = {0, -1, 0};
     uint32_t first = (uint32_t)shape->vertex_count;
     uint32_t middle = first + (uint32_t)border;
     for (size_t k = 0; k < border; k++) {
         const float *above = shape->positions + 3 * (size_t)border_vertex(field, k);
-        kdr_shape_vertex(shape, (kdr_point){above[0], -0.25, above[2]}, down);
+        kdr_point outwards = {above[0] < 0 ? -1 : 1, 0, 0};
+        if (above[2] * above[2] > above[0] * above[0])
+            outwards = (kdr_point){0, 0, above[2] < 0 ? -1 : 1};
+        kdr_shape_vertex(shape, (kdr_point){above[0], -0.25, above[2]}, outwards);
     }
-    kdr_shape_vertex(shape, (kdr_point){0, -0.25, 0}, down);
+    kdr_shape_vertex(shape, (kdr_point){0, -0.25, 0}, (kdr_point){0, -1, 0});
     for (size_t k = 0; k < border; k++) {
         uint32_t a = border_vertex(field, k), b = border_vertex(field, k + 1);
         uint32_t below_a = first + (uint32_t)k, below_b = first + (uint32_t)((k + 1) % border);
@@ -144,7 +150,7 @@ const kdr_recipe kdr_recipe_terrain = {
 /* Four trains of waves, each with its own direction, length, height and period in seconds. */
 static const struct wave_train {
     double x, z, height, period;
-} trains[] = {{1.1, 0.3, 0.10, 4}, {-0.4, 1.7, 0.06, 3}, {2.6, 2.1, 0.025, 2.2}, {-4.1, 3.3, 0.012, 1.5}};
+} trains[] = {{1.1, 0.3, 0.06, 4}, {-0.4, 1.7, 0.035, 3}, {2.6, 2.1, 0.018, 2.2}, {-4.1, 3.3, 0.01, 1.5}};
 
 static kdr_point wave_point(const void *context, size_t row, size_t column) {
     const height_field *field = context;
@@ -156,7 +162,7 @@ static kdr_point wave_point(const void *context, size_t row, size_t column) {
     }
     // A ring that spreads from the middle and fades.
     double away = sqrt(x * x + z * z);
-    place.y += 0.16 / (1 + 6 * away) * kdr_turn_of(3 * away - kdr_phase(field->time, 1.8)).cosine;
+    place.y += 0.13 / (1 + 6 * away) * kdr_turn_of(3 * away - kdr_phase(field->time, 1.8)).cosine;
     return place;
 }
 

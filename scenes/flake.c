@@ -78,7 +78,7 @@ void kdr_draw_flake(kdr_shape *shape, const kdr_frame *frame, size_t triangles, 
 }
 
 static const kdr_recipe_material materials[] = {
-    {"plate", {0.55f, 0.55f, 0.58f}}, {"flake 1", {0.80f, 0.22f, 0.06f}}, {"flake 2", {0.85f, 0.42f, 0.08f}},
+    {"plate", {0.55f, 0.55f, 0.58f}},   {"flake 1", {0.80f, 0.22f, 0.06f}}, {"flake 2", {0.85f, 0.42f, 0.08f}},
     {"flake 3", {0.88f, 0.62f, 0.16f}}, {"flake 4", {0.86f, 0.78f, 0.42f}}, {"flake 5", {0.85f, 0.85f, 0.80f}},
 };
 

@@ -7,8 +7,9 @@
 enum { GROUND, BARK, LEAVES, LEAF_COLOURS = 4 };
 
 static const kdr_recipe_material materials[] = {
-    {"ground", {0.20f, 0.17f, 0.09f}}, {"bark", {0.24f, 0.14f, 0.07f}}, {"spring leaf", {0.26f, 0.46f, 0.07f}},
-    {"summer leaf", {0.10f, 0.34f, 0.07f}}, {"dark leaf", {0.06f, 0.24f, 0.09f}}, {"autumn leaf", {0.62f, 0.28f, 0.05f}},
+    {"ground", {0.20f, 0.17f, 0.09f}},      {"bark", {0.24f, 0.14f, 0.07f}},
+    {"spring leaf", {0.26f, 0.46f, 0.07f}}, {"summer leaf", {0.10f, 0.34f, 0.07f}},
+    {"dark leaf", {0.06f, 0.24f, 0.09f}},   {"autumn leaf", {0.62f, 0.28f, 0.05f}},
 };
 
 typedef struct tree_plan {
@@ -37,7 +38,7 @@ static tree_plan plan_tree(size_t triangles, kdr_chance chance) {
         wood += more;
     }
     plan.leaf_count = triangles > wood ? (triangles - wood) / 2 : 0;
-    plan.leaf_size = 1.1 / sqrt((double)plan.leaf_count + 20);
+    plan.leaf_size = 2.3 / sqrt((double)plan.leaf_count + 20);
     plan.leaf_material = LEAVES + kdr_chance_below(&plan.chance, LEAF_COLOURS);
     return plan;
 }
@@ -46,7 +47,8 @@ static tree_plan plan_tree(size_t triangles, kdr_chance chance) {
 static void draw_leaf(kdr_shape *shape, tree_plan *tree, const kdr_frame *branch, double length, double spread) {
     kdr_chance *chance = &tree->chance;
     kdr_point place = kdr_point_along(branch->origin, branch->y, length * kdr_chance_between(chance, 0.3, 1.1));
-    place = kdr_point_along(place, kdr_chance_direction(chance), spread * kdr_chance_unit(chance));
+    double distance = spread * kdr_chance_unit(chance);
+    place = kdr_point_along(place, kdr_chance_direction(chance), distance);
     kdr_frame frame = kdr_frame_along(place, kdr_chance_direction(chance));
     double size = tree->leaf_size * kdr_chance_between(chance, 0.6, 1);
     kdr_shape_quad_corners(shape, place, kdr_frame_point(&frame, size * 0.35, size * 0.5, 0),
@@ -69,7 +71,7 @@ static void draw_branch(kdr_shape *shape, tree_plan *tree, kdr_frame branch, dou
             kdr_shape_skip(shape, 4 * leaves, 2 * leaves);
             return;
         }
-        double spread = 0.33 / sqrt((double)tree->tip_count) + 0.06;
+        double spread = 0.5 / sqrt((double)tree->tip_count) + 0.08;
         for (size_t i = 0; i < leaves; i++)
             draw_leaf(shape, tree, &branch, length, spread);
         return;
@@ -79,7 +81,7 @@ static void draw_branch(kdr_shape *shape, tree_plan *tree, kdr_frame branch, dou
     for (int i = 0; i < CHILDREN; i++) {
         kdr_frame child = kdr_frame_turn_y(branch, start + i / (double)CHILDREN);
         child = kdr_frame_turn_x(child, kdr_chance_between(chance, 0.06, 0.13));
-        child.origin = kdr_point_along(branch.origin, branch.y, length * kdr_chance_between(chance, 0.75, 0.98));
+        child.origin = kdr_point_along(branch.origin, branch.y, length * kdr_chance_between(chance, 0.6, 0.98));
         double shrink = kdr_chance_between(chance, 0.65, 0.85);
         draw_branch(shape, tree, child, length * shrink, radius * 0.62, generation + 1);
     }
@@ -100,8 +102,8 @@ static void draw(kdr_shape *shape, size_t triangle_count, double time) {
         double away = radius * sqrt(((double)i + 0.5) / (double)tree_count);
         kdr_turn turn = kdr_turn_of((double)i * 0.38196601125);
         kdr_frame root = kdr_frame_at((kdr_point){away * turn.cosine, 0, away * turn.sine}, 1);
-        root = kdr_frame_turn_x(kdr_frame_turn_y(root, kdr_chance_unit(&tree.chance)),
-                                kdr_chance_between(&tree.chance, 0, 0.015));
+        root = kdr_frame_turn_y(root, kdr_chance_unit(&tree.chance));
+        root = kdr_frame_turn_x(root, kdr_chance_between(&tree.chance, 0, 0.015));
         double height = kdr_chance_between(&tree.chance, 0.4, 0.65);
         draw_branch(shape, &tree, root, height, height * 0.075, 0);
     }

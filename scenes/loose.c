@@ -3,7 +3,9 @@
 #include "scenes/scenes.h"
 
 static const kdr_recipe_material loose_materials[] = {
-    {"blue", {0.10f, 0.24f, 0.60f}}, {"teal", {0.08f, 0.45f, 0.42f}}, {"orange", {0.80f, 0.38f, 0.06f}},
+    {"blue", {0.10f, 0.24f, 0.60f}},
+    {"teal", {0.08f, 0.45f, 0.42f}},
+    {"orange", {0.80f, 0.38f, 0.06f}},
     {"cream", {0.80f, 0.74f, 0.58f}},
 };
 

@@ -18,14 +18,10 @@ kdr_turn kdr_turn_of(double turns) {
     double radians = (turns - quarter * 0.25) * 6.283185307179586477;
     double sine = sine_near_zero(radians), cosine = cosine_near_zero(radians);
     switch (quarter & 3) {
-    case 0:
-        return (kdr_turn){sine, cosine};
-    case 1:
-        return (kdr_turn){cosine, -sine};
-    case 2:
-        return (kdr_turn){-sine, -cosine};
-    default:
-        return (kdr_turn){-cosine, sine};
+    case 0: return (kdr_turn){sine, cosine};
+    case 1: return (kdr_turn){cosine, -sine};
+    case 2: return (kdr_turn){-sine, -cosine};
+    default: return (kdr_turn){-cosine, sine};
     }
 }
 

@@ -36,7 +36,8 @@ static kdr_status report_unknown(const kdr_logger *logger, const char *name) {
 static kdr_status add_materials(kdr_mesh *mesh, const kdr_recipe *recipe) {
     for (uint32_t i = 0; i < recipe->material_count; i++) {
         const kdr_recipe_material *material = &recipe->materials[i];
-        kdr_status status = kdr_mesh_add_material(mesh, material->name, strlen(material->name), material->diffuse, NULL);
+        kdr_status status =
+            kdr_mesh_add_material(mesh, material->name, strlen(material->name), material->diffuse, NULL);
         if (status != KDR_OK)
             return status;
     }
@@ -61,7 +62,9 @@ static kdr_status draw(const kdr_recipe *recipe, size_t triangle_count, double t
     }
 
     kdr_mesh *mesh = *out;
-    kdr_shape drawn = {.positions = mesh->positions, .normals = mesh->normals, .indices = mesh->indices,
+    kdr_shape drawn = {.positions = mesh->positions,
+                       .normals = mesh->normals,
+                       .indices = mesh->indices,
                        .materials = mesh->triangle_materials};
     recipe->draw(&drawn, triangle_count, time);
     KDR_CHECK(drawn.vertex_count == counted.vertex_count && drawn.triangle_count == counted.triangle_count);
@@ -82,11 +85,11 @@ kdr_status kdr_mesh_make(const char *name, size_t triangle_count, double time, c
         triangle_count = recipe->default_count;
     if (triangle_count < KDR_SCENE_LEAST || triangle_count > KDR_SCENE_MOST)
         return kdr_report(logger, KDR_ERROR_INVALID_ARGUMENT,
-                          "the built-in scene %s comes in sizes from %d to %d triangles, not %zu", name, KDR_SCENE_LEAST,
-                          KDR_SCENE_MOST, triangle_count);
+                          "the built-in scene %s comes in sizes from %d to %d triangles, not %zu", name,
+                          KDR_SCENE_LEAST, KDR_SCENE_MOST, triangle_count);
     if (!isfinite(time))
-        return kdr_report(logger, KDR_ERROR_INVALID_ARGUMENT, "the time of the built-in scene %s is not a finite number",
-                          name);
+        return kdr_report(logger, KDR_ERROR_INVALID_ARGUMENT,
+                          "the time of the built-in scene %s is not a finite number", name);
 
     kdr_status status = draw(recipe, triangle_count, time, out);
     if (status != KDR_OK)

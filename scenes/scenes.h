@@ -1,4 +1,5 @@
-/* The table of built-in scenes. Each is a recipe: a function that draws about as many triangles as asked into a shape. */
+/* The table of built-in scenes. Each is a recipe: a function that draws about as many triangles as asked into a shape.
+ */
 #ifndef KDR_SCENES_SCENES_H
 #define KDR_SCENES_SCENES_H
 
@@ -34,9 +35,26 @@ typedef struct kdr_recipe {
 } kdr_recipe;
 
 /* Every recipe is a constant kdr_recipe_NAME of its own, in the file of its kind; here is their order. */
-#define KDR_RECIPE_LIST(X) \
-    X(demo) X(flake) X(forest) X(city) X(stadium) X(grass) X(hair) X(terrain) X(sphere) X(knot) X(shell) X(needles) \
-    X(soup) X(heap) X(duplicates) X(explode) X(twist) X(wave) X(crowd)
+#define KDR_RECIPE_LIST(X)                                                                                             \
+    X(demo)                                                                                                            \
+    X(flake)                                                                                                           \
+    X(forest)                                                                                                          \
+    X(city)                                                                                                            \
+    X(stadium)                                                                                                         \
+    X(grass)                                                                                                           \
+    X(hair)                                                                                                            \
+    X(terrain)                                                                                                         \
+    X(sphere)                                                                                                          \
+    X(knot)                                                                                                            \
+    X(shell)                                                                                                           \
+    X(needles)                                                                                                         \
+    X(soup)                                                                                                            \
+    X(heap)                                                                                                            \
+    X(duplicates)                                                                                                      \
+    X(explode)                                                                                                         \
+    X(twist)                                                                                                           \
+    X(wave)                                                                                                            \
+    X(crowd)
 
 #define KDR_RECIPE_DECLARE(name) extern const kdr_recipe kdr_recipe_##name;
 KDR_RECIPE_LIST(KDR_RECIPE_DECLARE)

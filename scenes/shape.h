@@ -1,7 +1,8 @@
 /* What scenes are put together from: triangles, boxes, balls, tubes and grids, appended to arrays of exact size.
  *
  * A scene is drawn twice by the same code. The first time the arrays are NULL and appending only counts; the second
- * time the arrays have just that size. So a count can never disagree with what is written, and no formula says it twice.
+ * time the arrays have just that size. So a count can never disagree with what is written, and no formula says it
+ * twice.
  *
  * Winding is counter-clockwise seen from outside: normals point out. */
 #ifndef KDR_SCENES_SHAPE_H
@@ -17,7 +18,7 @@ typedef struct kdr_shape {
     uint32_t *materials; /* 1 a triangle */
     size_t vertex_count; /* appended up to here */
     size_t triangle_count;
-    uint32_t material;   /* of the triangles that follow */
+    uint32_t material; /* of the triangles that follow */
 } kdr_shape;
 
 static inline bool kdr_shape_counts(const kdr_shape *shape) { return shape->positions == NULL; }
@@ -75,7 +76,7 @@ typedef struct kdr_ball {
 static inline size_t kdr_ball_triangles(kdr_ball ball) { return (size_t)2 * ball.sectors * ball.level * ball.level; }
 static inline size_t kdr_ball_vertices(kdr_ball ball) { return kdr_ball_triangles(ball) / 2 + 2; }
 
-/* The ball whose triangle count is nearest to the one asked for; near 4 or 5 sectors. */
+/* The ball of 4 to 8 sectors whose triangle count is nearest to the one asked for: within 10 % from 100 on. */
 kdr_ball kdr_ball_fit(size_t triangles);
 
 /* Vertex `column` of ring `row`: 0 is the pole at y = 1, 2 level the one at y = -1. On the unit sphere. */
@@ -106,7 +107,8 @@ typedef struct kdr_grid {
 
 void kdr_shape_grid(kdr_shape *shape, kdr_grid grid, kdr_grid_fn *place, const void *context);
 
-/* The grid with 2 rows columns nearest to `triangles` among those with rows near aspect x columns, at least the minima. */
+/* The grid with 2 rows columns nearest to `triangles` among those with rows near aspect x columns, at least the minima.
+ */
 kdr_grid kdr_grid_fit(size_t triangles, double aspect, size_t least_rows, size_t least_columns);
 
 /* A cone or cylinder without caps from frame `low` to frame `high` (their x and z axes are the radii):

@@ -5,12 +5,14 @@
 enum { TURF, STANDS, CHINA };
 
 static const kdr_recipe_material materials[] = {
-    {"turf", {0.12f, 0.36f, 0.08f}}, {"stands", {0.50f, 0.50f, 0.52f}}, {"china", {0.75f, 0.76f, 0.80f}},
+    {"turf", {0.12f, 0.36f, 0.08f}},
+    {"stands", {0.50f, 0.50f, 0.52f}},
+    {"china", {0.75f, 0.76f, 0.80f}},
 };
 
 #define TURF_RADIUS 52.0
 #define STANDS_DEPTH 45.0
-#define STANDS_HEIGHT 36.0
+#define STANDS_HEIGHT 17.0
 
 /* Treads and risers in turn; the last row is the outer wall, down to the ground. */
 static kdr_point stands_point(const void *context, size_t row, size_t column) {
@@ -26,9 +28,9 @@ static kdr_point stands_point(const void *context, size_t row, size_t column) {
 
 /* Turned profile of pot and lid, as radius and height; a smooth curve runs through the points. */
 static const double profile[][2] = {
-    {0.0010, 0.000}, {0.090, 0.000}, {0.105, 0.008}, {0.135, 0.035}, {0.150, 0.075}, {0.143, 0.115}, {0.115, 0.150},
-    {0.088, 0.165},  {0.084, 0.172}, {0.078, 0.176}, {0.045, 0.190}, {0.016, 0.195}, {0.014, 0.205}, {0.024, 0.215},
-    {0.020, 0.227},  {0.0005, 0.230},
+    {0.0010, 0.000}, {0.090, 0.000}, {0.105, 0.008}, {0.135, 0.035},  {0.150, 0.075}, {0.143, 0.115},
+    {0.115, 0.150},  {0.088, 0.165}, {0.084, 0.172}, {0.078, 0.176},  {0.045, 0.190}, {0.016, 0.195},
+    {0.014, 0.205},  {0.024, 0.215}, {0.020, 0.227}, {0.0005, 0.230},
 };
 #define PROFILE_POINTS (sizeof profile / sizeof profile[0])
 
@@ -69,9 +71,9 @@ static kdr_point pipe_point(const void *context, size_t row, size_t column) {
     tangent = kdr_point_unit(tangent);
     kdr_turn side = kdr_turn_of((double)column / (double)tube->grid.columns);
     double radius = tube->first_radius * s + tube->last_radius * t;
-    return kdr_point_along((kdr_point){centre.x - tangent.y * radius * side.cosine,
-                                       centre.y + tangent.x * radius * side.cosine, 0},
-                           (kdr_point){0, 0, 1}, radius * side.sine);
+    return kdr_point_along(
+        (kdr_point){centre.x - tangent.y * radius * side.cosine, centre.y + tangent.x * radius * side.cosine, 0},
+        (kdr_point){0, 0, 1}, radius * side.sine);
 }
 
 static void draw_pipe(kdr_shape *shape, pipe tube, size_t triangles) {
@@ -83,7 +85,8 @@ static void draw_pipe(kdr_shape *shape, pipe tube, size_t triangles) {
 static void draw(kdr_shape *shape, size_t triangle_count, double time) {
     (void)time;
     shape->material = TURF;
-    kdr_frame turf = kdr_frame_stretch(kdr_frame_at((kdr_point){0, 0, 0}, TURF_RADIUS + STANDS_DEPTH * 1.2), 1.25, 1, 1);
+    kdr_frame turf =
+        kdr_frame_stretch(kdr_frame_at((kdr_point){0, 0, 0}, TURF_RADIUS + STANDS_DEPTH * 1.15), 1.25, 1, 1);
     kdr_shape_disc(shape, &turf, triangle_count < 5000 ? 6 : 96);
 
     shape->material = STANDS;
@@ -93,7 +96,8 @@ static void draw(kdr_shape *shape, size_t triangle_count, double time) {
     kdr_shape_grid(shape, stands, stands_point, &stands);
 
     shape->material = CHINA;
-    draw_pipe(shape, (pipe){{0}, {0.13, 0.20, 0.18, 0.24}, {0.06, 0.06, 0.13, 0.17}, 0.030, 0.013}, triangle_count / 10);
+    draw_pipe(shape, (pipe){{0}, {0.13, 0.20, 0.18, 0.24}, {0.06, 0.06, 0.13, 0.17}, 0.030, 0.013},
+              triangle_count / 10);
     draw_pipe(shape, (pipe){{0}, {-0.12, -0.26, -0.24, -0.14}, {0.15, 0.16, 0.04, 0.05}, 0.012, 0.012},
               triangle_count / 10);
     size_t left = triangle_count - shape->triangle_count;

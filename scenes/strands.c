@@ -5,7 +5,7 @@
 #define BLADE_TRIANGLES (2 * BLADE_SEGMENTS - 1)
 
 static const kdr_recipe_material grass_materials[] = {
-    {"earth", {0.16f, 0.11f, 0.06f}}, {"young blade", {0.35f, 0.55f, 0.10f}}, {"blade", {0.16f, 0.42f, 0.07f}},
+    {"earth", {0.16f, 0.11f, 0.06f}},     {"young blade", {0.35f, 0.55f, 0.10f}}, {"blade", {0.16f, 0.42f, 0.07f}},
     {"old blade", {0.08f, 0.28f, 0.06f}}, {"dry blade", {0.58f, 0.50f, 0.18f}},
 };
 
@@ -77,7 +77,9 @@ const kdr_recipe kdr_recipe_grass = {
 #define HAIR_SIDES 3
 
 static const kdr_recipe_material hair_materials[] = {
-    {"fair hair", {0.70f, 0.50f, 0.25f}}, {"red hair", {0.50f, 0.18f, 0.06f}}, {"brown hair", {0.25f, 0.12f, 0.06f}},
+    {"fair hair", {0.70f, 0.50f, 0.25f}},
+    {"red hair", {0.50f, 0.18f, 0.06f}},
+    {"brown hair", {0.25f, 0.12f, 0.06f}},
 };
 
 typedef struct hair_strand {
@@ -92,8 +94,8 @@ static kdr_point hair_point(const void *context, size_t row, size_t column) {
     kdr_turn wave = kdr_turn_of(hair->waves * t + hair->shift);
     kdr_turn side = kdr_turn_of(-(double)column / HAIR_SIDES);
     double thickness = hair->radius * (1.02 - t);
-    return kdr_frame_point(&hair->frame, hair->curl * t * wave.sine + thickness * side.sine, 0.25 + 0.75 * t * (1.3 - 0.3 * t),
-                           hair->curl * t * wave.cosine + thickness * side.cosine);
+    return kdr_frame_point(&hair->frame, hair->curl * t * wave.sine + thickness * side.sine,
+                           0.04 + 0.96 * t * (1.3 - 0.3 * t), hair->curl * t * wave.cosine + thickness * side.cosine);
 }
 
 static void draw_hair(kdr_shape *shape, size_t triangle_count, double time) {
@@ -103,14 +105,11 @@ static void draw_hair(kdr_shape *shape, size_t triangle_count, double time) {
     size_t hair_count = (triangle_count + hair_triangles / 2) / hair_triangles;
     for (size_t i = 0; i < hair_count; i++) {
         kdr_chance chance = kdr_chance_of(3, i);
-        hair_strand hair = {
-            .frame = kdr_frame_along((kdr_point){0, 0, 0}, kdr_chance_direction(&chance)),
-            .radius = 0.002 + 0.25 / sqrt((double)hair_count) * 0.2,
-            .curl = kdr_chance_between(&chance, 0.05, 0.5),
-            .waves = kdr_chance_between(&chance, -1.5, 1.5),
-            .shift = kdr_chance_unit(&chance),
-            .segments = segments,
-        };
+        hair_strand hair = {.segments = segments, .radius = 0.002 + 0.2 / sqrt((double)hair_count)};
+        hair.frame = kdr_frame_along((kdr_point){0, 0, 0}, kdr_chance_direction(&chance));
+        hair.curl = kdr_chance_between(&chance, 0.05, 0.45);
+        hair.waves = kdr_chance_between(&chance, -1.5, 1.5);
+        hair.shift = kdr_chance_unit(&chance);
         shape->material = kdr_chance_below(&chance, 3);
         kdr_grid grid = {.rows = segments, .columns = HAIR_SIDES, .around = true};
         kdr_shape_grid(shape, grid, hair_point, &hair);

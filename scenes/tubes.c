@@ -54,13 +54,15 @@ const kdr_recipe kdr_recipe_knot = {
     KDR_RECIPE_MATERIALS(knot_materials),
 };
 
-#define TOWER_HEIGHT 3.2
+#define TOWER_HEIGHT 2.7
 #define TWIST_PERIOD 8.0
 
 enum { TWIST_GROUND, TWIST_GLASS, TWIST_SLAB, TWIST_ROOF };
 
 static const kdr_recipe_material twist_materials[] = {
-    {"ground", {0.30f, 0.30f, 0.28f}}, {"glass", {0.10f, 0.28f, 0.38f}}, {"slab", {0.75f, 0.72f, 0.66f}},
+    {"ground", {0.30f, 0.30f, 0.28f}},
+    {"glass", {0.10f, 0.28f, 0.38f}},
+    {"slab", {0.75f, 0.72f, 0.66f}},
     {"roof", {0.45f, 0.20f, 0.14f}},
 };
 
@@ -86,15 +88,12 @@ static kdr_point tower_point(const void *context, size_t row, size_t column) {
 }
 
 static void draw_twist(kdr_shape *shape, size_t triangle_count, double time) {
+    // The roof is a fan over the last row: one triangle a column.
     size_t rim = triangle_count < 5000 ? 8 : 64;
-    shape->material = TWIST_GROUND;
-    kdr_frame ground = kdr_frame_at((kdr_point){0, 0, 0}, 1.3);
-    kdr_shape_disc(shape, &ground, rim);
-
-    // The roof is a fan over the last row, counted as half a row of cells.
     kdr_grid grid = kdr_grid_fit(triangle_count - rim, 1.3, 4, 4);
-    grid.columns -= grid.columns / (2 * grid.rows + 1);
+    grid = kdr_grid_fit(triangle_count - rim - grid.columns, 1.3, 4, 4);
     grid.around = true;
+    shape->material = TWIST_GLASS;
     tower_sweep tower = {grid, 0.4 * kdr_turn_of(kdr_phase(time, TWIST_PERIOD) + 0.12).sine};
     size_t first_vertex = shape->vertex_count, first_triangle = shape->triangle_count;
     kdr_shape_grid(shape, grid, tower_point, &tower);
@@ -108,6 +107,12 @@ static void draw_twist(kdr_shape *shape, size_t triangle_count, double time) {
     if (!kdr_shape_counts(shape))
         for (size_t i = 0; i < 2 * grid.rows * grid.columns; i++)
             shape->materials[first_triangle + i] = is_slab(i / (2 * grid.columns)) ? TWIST_SLAB : TWIST_GLASS;
+
+    // The ground takes up what the tower leaves over.
+    size_t left = triangle_count > shape->triangle_count ? triangle_count - shape->triangle_count : 0;
+    shape->material = TWIST_GROUND;
+    kdr_frame ground = kdr_frame_at((kdr_point){0, 0, 0}, 1.3);
+    kdr_shape_disc(shape, &ground, left < 6 ? 6 : left);
 }
 
 const kdr_recipe kdr_recipe_twist = {

@@ -39,8 +39,8 @@ static kdr_status read_all(int descriptor, const char *path, const kdr_logger *l
     for (;;) {
         if (file->length == file->capacity && !grow(file, file->length))
             return kdr_report(logger, KDR_ERROR_OUT_OF_MEMORY, "%s: out of memory after %zu bytes", path, file->length);
-        ssize_t got = read(descriptor, (unsigned char *)(uintptr_t)file->bytes + file->length,
-                           file->capacity - file->length);
+        ssize_t got =
+            read(descriptor, (unsigned char *)(uintptr_t)file->bytes + file->length, file->capacity - file->length);
         if (got == 0)
             return KDR_OK;
         if (got > 0)

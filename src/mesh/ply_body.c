@@ -69,29 +69,14 @@ double kdr_ply_decode(const unsigned char *p, kdr_ply_type type, bool swaps) {
     float f32;
     double f64;
     switch (type) {
-    case KDR_PLY_INT8:
-        memcpy(&i8, native, sizeof i8);
-        return i8;
-    case KDR_PLY_UINT8:
-        return native[0];
-    case KDR_PLY_INT16:
-        memcpy(&i16, native, sizeof i16);
-        return i16;
-    case KDR_PLY_UINT16:
-        memcpy(&u16, native, sizeof u16);
-        return u16;
-    case KDR_PLY_INT32:
-        memcpy(&i32, native, sizeof i32);
-        return i32;
-    case KDR_PLY_UINT32:
-        memcpy(&u32, native, sizeof u32);
-        return u32;
-    case KDR_PLY_FLOAT32:
-        memcpy(&f32, native, sizeof f32);
-        return (double)f32;
-    case KDR_PLY_FLOAT64:
-        memcpy(&f64, native, sizeof f64);
-        return f64;
+    case KDR_PLY_INT8: memcpy(&i8, native, sizeof i8); return i8;
+    case KDR_PLY_UINT8: return native[0];
+    case KDR_PLY_INT16: memcpy(&i16, native, sizeof i16); return i16;
+    case KDR_PLY_UINT16: memcpy(&u16, native, sizeof u16); return u16;
+    case KDR_PLY_INT32: memcpy(&i32, native, sizeof i32); return i32;
+    case KDR_PLY_UINT32: memcpy(&u32, native, sizeof u32); return u32;
+    case KDR_PLY_FLOAT32: memcpy(&f32, native, sizeof f32); return (double)f32;
+    case KDR_PLY_FLOAT64: memcpy(&f64, native, sizeof f64); return f64;
     }
     return 0;
 }

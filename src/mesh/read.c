@@ -1,6 +1,7 @@
 /* Mesh files: opened, unpacked, told apart, read and finished. */
 #include "mesh/file_bytes.h"
 #include "mesh/finish.h"
+#include "mesh/glb_frame.h"
 #include "mesh/number.h"
 #include "mesh/report.h"
 #include "mesh/source.h"
@@ -14,8 +15,7 @@ typedef kdr_status reader(const kdr_source *source, kdr_mesh **out);
 static reader *find_reader(const kdr_source *source) {
     if (kdr_source_is_ply(source))
         return kdr_read_ply;
-    bool is_glb = source->length >= 4 && memcmp(source->bytes, "glTF", 4) == 0;
-    if (is_glb)
+    if (kdr_source_is_glb(source))
         return kdr_read_assimp;
     if (kdr_source_is_stl(source))
         return kdr_read_stl;

@@ -11,6 +11,8 @@
 #ifdef KDR_WITH_ASSIMP
 
 #include "mesh/assimp_files.h"
+#include "mesh/glb_frame.h"
+#include "mesh/gltf_check.h"
 #include "mesh/mesh.h"
 #include "mesh/mesh_memory.h"
 
@@ -216,11 +218,11 @@ static kdr_status import_scene(const kdr_source *source, const struct aiScene *s
                                kdr_mesh **out) {
     if (!scene->mRootNode)
         return kdr_source_fail(source, KDR_ERROR_INVALID_DATA, "expected a scene with a root node");
-    import in = {.source = source, .scene = scene};
+import in = {.source = source, .scene = scene };
     for (unsigned i = 0; i < scene->mNumMeshes; i++)
         in.has_normals |= scene->mMeshes[i]->mNormals != NULL;
-    kdr_status status = kdr_mesh_create(0, 0, (in.has_normals ? KDR_MESH_NORMALS : 0) | KDR_MESH_MATERIALS, format,
-                                        &in.mesh);
+    kdr_status status =
+        kdr_mesh_create(0, 0, (in.has_normals ? KDR_MESH_NORMALS : 0) | KDR_MESH_MATERIALS, format, &in.mesh);
     if (status != KDR_OK)
         return kdr_source_fail_status(source, status);
 
@@ -245,11 +247,25 @@ static kdr_status import_scene(const kdr_source *source, const struct aiScene *s
     return KDR_OK;
 }
 
+/* glTF is checked through and through. Where it does not even look like glTF, assimp would try all of its formats. */
+static kdr_status check_content(const kdr_source *source) {
+    kdr_glb_frame frame = {.json_end = source->length};
+    if (kdr_source_is_glb(source)) {
+        kdr_status status = kdr_glb_read_frame(source, &frame);
+        return status == KDR_OK ? kdr_gltf_check(source, &frame) : status;
+    }
+    if (kdr_source_has_ending(source, "glb"))
+        return kdr_source_fail_byte(source, 0, "expected 'glTF' as the first four bytes of a GLB");
+    return kdr_source_has_ending(source, "gltf") ? kdr_gltf_check(source, &frame) : KDR_OK;
+}
+
 kdr_status kdr_read_assimp(const kdr_source *source, kdr_mesh **out) {
     *out = NULL;
     char ending[MAX_ENDING + 1], name[PATH_MAX], format[32];
-    bool is_glb = source->length >= 4 && memcmp(source->bytes, "glTF", 4) == 0;
-    if (is_glb || !find_ending(source, ending))
+    kdr_status status = check_content(source);
+    if (status != KDR_OK)
+        return status;
+    if (kdr_source_is_glb(source) || !find_ending(source, ending))
         snprintf(ending, sizeof ending, ".glb");
     size_t folder = 0;
     for (size_t i = 0; source->name[i]; i++)
@@ -269,7 +285,7 @@ kdr_status kdr_read_assimp(const kdr_source *source, kdr_mesh **out) {
     if (!scene)
         return kdr_source_fail(source, KDR_ERROR_INVALID_DATA, "expected a file that assimp reads: %s",
                                aiGetErrorString());
-    kdr_status status = import_scene(source, scene, format, out);
+    status = import_scene(source, scene, format, out);
     aiReleaseImport(scene);
     return status;
 }

@@ -31,8 +31,8 @@ static kdr_status find_layout(const kdr_ply_body *body, const kdr_ply_element *e
     const kdr_ply_property *list = &element->properties[layout->list];
     bool is_byte = list->count_type == KDR_PLY_UINT8 || list->count_type == KDR_PLY_INT8;
     bool is_word = list->type == KDR_PLY_INT32 || list->type == KDR_PLY_UINT32;
-    layout->is_simple = !body->header->is_ascii && !body->swaps && !layout->is_strips && element->list_count == 1 &&
-                        is_byte && is_word;
+    layout->is_simple =
+        !body->header->is_ascii && !body->swaps && !layout->is_strips && element->list_count == 1 && is_byte && is_word;
     layout->list_offset = 0;
     for (size_t i = 0; i < layout->list; i++)
         layout->list_offset += kdr_ply_type_bytes(element->properties[i].type);
@@ -43,9 +43,8 @@ static kdr_status find_layout(const kdr_ply_body *body, const kdr_ply_element *e
 /* Room for as many triangles as there are faces, or as the rest of the file can hold. */
 static kdr_status reserve(kdr_ply_body *body, const face_layout *layout) {
     const kdr_ply_property *list = &layout->element->properties[layout->list];
-    size_t least = body->header->is_ascii
-                       ? 2 * (layout->element->property_count + 3)
-                       : layout->element->least_bytes + 3 * kdr_ply_type_bytes(list->type);
+    size_t least = body->header->is_ascii ? 2 * (layout->element->property_count + 3)
+                                          : layout->element->least_bytes + 3 * kdr_ply_type_bytes(list->type);
     size_t most = kdr_ply_bytes_left(body) / least + 1;
     size_t count = layout->element->count < most ? (size_t)layout->element->count : most;
     return kdr_mesh_reserve_triangles(body->mesh, body->mesh->triangle_count + count);
@@ -151,8 +150,8 @@ static kdr_status read_row(kdr_ply_body *body, const face_layout *layout, uint64
     size_t count = 0;
     kdr_status status = kdr_ply_begin_row(body, element, row);
     for (size_t i = 0; i < element->property_count && status == KDR_OK; i++)
-        status = i == layout->list ? read_list(body, layout, &count)
-                                   : kdr_ply_skip_property(body, &element->properties[i]);
+        status =
+            i == layout->list ? read_list(body, layout, &count) : kdr_ply_skip_property(body, &element->properties[i]);
     if (status == KDR_OK)
         status = kdr_ply_end_row(body);
     if (status != KDR_OK)

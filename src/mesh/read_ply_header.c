@@ -10,9 +10,9 @@ static const struct {
     const char *name, *sized_name;
     size_t bytes;
 } types[] = {
-    [KDR_PLY_INT8] = {"char", "int8", 1},       [KDR_PLY_UINT8] = {"uchar", "uint8", 1},
-    [KDR_PLY_INT16] = {"short", "int16", 2},    [KDR_PLY_UINT16] = {"ushort", "uint16", 2},
-    [KDR_PLY_INT32] = {"int", "int32", 4},      [KDR_PLY_UINT32] = {"uint", "uint32", 4},
+    [KDR_PLY_INT8] = {"char", "int8", 1},        [KDR_PLY_UINT8] = {"uchar", "uint8", 1},
+    [KDR_PLY_INT16] = {"short", "int16", 2},     [KDR_PLY_UINT16] = {"ushort", "uint16", 2},
+    [KDR_PLY_INT32] = {"int", "int32", 4},       [KDR_PLY_UINT32] = {"uint", "uint32", 4},
     [KDR_PLY_FLOAT32] = {"float", "float32", 4}, [KDR_PLY_FLOAT64] = {"double", "float64", 8},
 };
 

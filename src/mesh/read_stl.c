@@ -59,8 +59,8 @@ static kdr_status read_binary(const kdr_source *source, kdr_mesh **out) {
     if (length - HEADER_BYTES > count * FACET_BYTES)
         kdr_source_warn(source, "%zu bytes after the last triangle are passed over",
                         length - HEADER_BYTES - count * FACET_BYTES);
-    kdr_status status = count <= KDR_MESH_LIMIT / 3 ? kdr_mesh_create(3 * count, count, 0, "STL binary", out)
-                                                    : KDR_ERROR_LIMIT;
+    kdr_status status =
+        count <= KDR_MESH_LIMIT / 3 ? kdr_mesh_create(3 * count, count, 0, "STL binary", out) : KDR_ERROR_LIMIT;
     if (status != KDR_OK)
         return kdr_source_fail_status(source, status);
 
@@ -134,8 +134,7 @@ static kdr_status read_ascii(const kdr_source *source, kdr_mesh **out) {
         bool is_open = true;
         while (status == KDR_OK && is_open) {
             kdr_text ahead = text;
-            is_open = kdr_text_skip_blank_lines(&ahead) &&
-                      kdr_word_is_any_case(kdr_text_take_word(&ahead), "facet");
+            is_open = kdr_text_skip_blank_lines(&ahead) && kdr_word_is_any_case(kdr_text_take_word(&ahead), "facet");
             if (is_open) {
                 text = ahead;
                 status = read_facet(source, &text, *out);
@@ -155,8 +154,8 @@ static kdr_status merge_vertices(kdr_mesh *mesh) {
     size_t count = mesh->vertex_count, unique_count;
     if (count == 0)
         return KDR_OK;
-    kdr_status status = kdr_merge_keys((const uint32_t *)(const void *)mesh->positions, 3, count, mesh->indices,
-                                       &unique_count);
+    kdr_status status =
+        kdr_merge_keys((const uint32_t *)(const void *)mesh->positions, 3, count, mesh->indices, &unique_count);
     if (status != KDR_OK)
         return status;
     uint32_t next = 0;

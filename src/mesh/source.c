@@ -8,12 +8,12 @@
 #include <strings.h>
 
 /* Formats the rest of a sentence into `text`. */
-#define FORMAT_REST(text, format)                                                                                    \
-    do {                                                                                                             \
-        va_list arguments;                                                                                           \
-        va_start(arguments, format);                                                                                 \
-        vsnprintf(text, sizeof(text), format, arguments);                                                            \
-        va_end(arguments);                                                                                           \
+#define FORMAT_REST(text, format)                                                                                      \
+    do {                                                                                                               \
+        va_list arguments;                                                                                             \
+        va_start(arguments, format);                                                                                   \
+        vsnprintf(text, sizeof(text), format, arguments);                                                              \
+        va_end(arguments);                                                                                             \
     } while (0)
 
 kdr_status kdr_source_fail_line(const kdr_source *source, size_t line, const char *format, ...) {

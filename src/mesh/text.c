@@ -60,8 +60,8 @@ void kdr_text_skip_rest(kdr_text *text) {
 kdr_word kdr_text_take_word(kdr_text *text) {
     kdr_text_skip_blanks(text);
     const char *start = text->p;
-    while (!is_word_end(text, text->p) && !(text->continues && *text->p == '\\' && text->end - text->p > 1 &&
-                                            kdr_is_line_end(text->p[1])))
+    while (!is_word_end(text, text->p) &&
+           !(text->continues && *text->p == '\\' && text->end - text->p > 1 && kdr_is_line_end(text->p[1])))
         text->p++;
     return (kdr_word){start, (size_t)(text->p - start)};
 }

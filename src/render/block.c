@@ -51,8 +51,7 @@ static uint32_t make_surfaces(kdr_painter *painter, const kdr_scenery *scenery, 
 static void add_light(kdr_painter *painter, const kdr_scenery *scenery, const kdr_light *light, uint32_t count,
                       const kdr_trace_def *coherent) {
     for (uint32_t i = 0; i < count; i++)
-        painter->shadow_rays_of_light[i] =
-            kdr_light_shadow_ray(light, &painter->surfaces[i], scenery->stage.room);
+        painter->shadow_rays_of_light[i] = kdr_light_shadow_ray(light, &painter->surfaces[i], scenery->stage.room);
     kdr_occluded_n(scenery->scene, coherent, painter->shadow_rays_of_light, painter->hidden, count);
     painter->shadow_rays += count;
     for (uint32_t i = 0; i < count; i++) {

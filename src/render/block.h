@@ -23,9 +23,9 @@ typedef struct kdr_scenery {
 /* One worker's room for a block, and what it counted. About a megabyte. */
 typedef struct kdr_painter {
     uint64_t primary_rays, hits, shadow_rays, occluded;
-    double sums[KDR_BLOCK_PIXELS][3];         /* by row and column of the block */
+    double sums[KDR_BLOCK_PIXELS][3]; /* by row and column of the block */
     kdr_ray_hit rays[KDR_BLOCK_PIXELS];
-    uint16_t ray_pixels[KDR_BLOCK_PIXELS];    /* where in sums ray i belongs */
+    uint16_t ray_pixels[KDR_BLOCK_PIXELS]; /* where in sums ray i belongs */
     kdr_surface surfaces[KDR_BLOCK_PIXELS];
     kdr_ray shadow_rays_of_light[KDR_BLOCK_PIXELS];
     uint8_t hidden[KDR_BLOCK_PIXELS];

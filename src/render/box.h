@@ -4,8 +4,8 @@
  * of one diagonal of the model from its centre, the ceiling 1.6: room enough for the default camera and its light.
  *
  * Walls are there only for who looks at them from inside. A camera outside looks in through the walls that turn their
- * backs to it, and a light outside shines in through them. Since the room is convex and holds the whole model, this takes
- * no test of walls: the rays are cut to the part that is inside. */
+ * backs to it, and a light outside shines in through them. Since the room is convex and holds the whole model, this
+ * takes no test of walls: the rays are cut to the part that is inside. */
 #ifndef KDR_RENDER_BOX_H
 #define KDR_RENDER_BOX_H
 

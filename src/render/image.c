@@ -1,7 +1,6 @@
 /* Pixels in memory: made, released, compared. */
 #include "kdray/render.h"
 
-#include "base/check.h"
 #include "render/memory.h"
 #include "render/srgb.h"
 

@@ -1,20 +1,17 @@
 /* PNG files to images: every colour type and depth, interlaced or not, as linear RGB.
  *
- * A file is read whole and decoded from memory, so that its length is known before its header is believed: deflate
- * expands by less than 1,032, and a header that promises more than that is refused before anything is allocated. Samples
- * are taken as sRGB, whatever the file's own gamma says. */
+ * A file is decoded from memory, so that its length is known before its header is believed: deflate
+ * expands by less than 1,032, and a header that promises more than that is refused before anything is allocated.
+ * Samples are taken as sRGB, whatever the file's own gamma says. */
 #include "render/image_png.h"
 
+#include "mesh/file_bytes.h"
 #include "mesh/report.h"
 #include "render/memory.h"
 #include "render/png_memory.h"
 #include "render/srgb.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #define SIDE_LIMIT 65536u
 #define PIXEL_LIMIT ((uint64_t)1 << 28)
@@ -32,10 +29,10 @@ typedef struct png_input {
     const kdr_srgb_tables *srgb;
     kdr_image *image;
     uint32_t width, height;
-    bool deep;          /* 16 bits a sample */
-    int passes;         /* 7 for an interlaced file, else 1 */
-    size_t row_size;    /* bytes of a row of RGB samples */
-    uint8_t *rows;      /* one row, or all of them for an interlaced file */
+    bool deep;       /* 16 bits a sample */
+    int passes;      /* 7 for an interlaced file, else 1 */
+    size_t row_size; /* bytes of a row of RGB samples */
+    uint8_t *rows;   /* one row, or all of them for an interlaced file */
     size_t rows_size;
 } png_input;
 
@@ -56,8 +53,7 @@ static kdr_status read_header(png_input *input) {
     png_read_info(input->png, input->info);
     input->width = png_get_image_width(input->png, input->info);
     input->height = png_get_image_height(input->png, input->info);
-    if (input->width > SIDE_LIMIT || input->height > SIDE_LIMIT ||
-        (uint64_t)input->width * input->height > PIXEL_LIMIT)
+    if (input->width > SIDE_LIMIT || input->height > SIDE_LIMIT || (uint64_t)input->width * input->height > PIXEL_LIMIT)
         return kdr_report(input->logger, KDR_ERROR_LIMIT,
                           "%s: %u x %u pixels are more than %u a side or %u million in all", input->name, input->width,
                           input->height, SIDE_LIMIT, (unsigned)(PIXEL_LIMIT >> 20));
@@ -151,69 +147,17 @@ kdr_status kdr_image_decode_png(const uint8_t *bytes, size_t size, const char *n
     return status;
 }
 
-/* ---- the file */
-
-typedef struct file_bytes {
-    uint8_t *bytes;
-    size_t size, capacity;
-} file_bytes;
-
-static kdr_status grow(file_bytes *content, size_t capacity) {
-    uint8_t *bytes = kdr_render_get(capacity, 1);
-    if (!bytes)
-        return KDR_ERROR_OUT_OF_MEMORY;
-    if (content->size > 0)
-        memcpy(bytes, content->bytes, content->size);
-    kdr_render_release(content->bytes, content->capacity);
-    content->bytes = bytes;
-    content->capacity = capacity;
-    return KDR_OK;
-}
-
-/* Reads until the end, in parts that double: a pipe has no size. Stops early if it is no PNG file. On KDR_ERROR_IO errno
- * says why. */
-static kdr_status read_all(int file, file_bytes *content) {
-    struct stat info;
-    if (fstat(file, &info) != 0)
-        return KDR_ERROR_IO;
-    kdr_status status = grow(content, S_ISREG(info.st_mode) && info.st_size > 0 ? (size_t)info.st_size + 1 : 1 << 16);
-    while (status == KDR_OK) {
-        if (content->size == content->capacity) {
-            if (png_sig_cmp(content->bytes, 0, SIGNATURE_BYTES) != 0)
-                return KDR_OK;
-            status = content->capacity > SIZE_MAX / 2 ? KDR_ERROR_OUT_OF_MEMORY : grow(content, content->capacity * 2);
-            continue;
-        }
-        ssize_t count = read(file, content->bytes + content->size, content->capacity - content->size);
-        if (count < 0 && errno == EINTR)
-            continue;
-        if (count < 0)
-            return KDR_ERROR_IO;
-        if (count == 0)
-            return KDR_OK;
-        content->size += (size_t)count;
-    }
-    return status;
-}
-
 kdr_status kdr_image_read_png(const char *path, const kdr_logger *logger, kdr_image **out) {
     if (out)
         *out = NULL;
     if (!path || !out)
-        return kdr_report(logger, KDR_ERROR_INVALID_ARGUMENT, "reading a PNG file needs a file name and room for an image");
-    file_bytes content = {NULL, 0, 0};
-    int file = open(path, O_RDONLY | O_CLOEXEC);
-    kdr_status status = file < 0 ? KDR_ERROR_IO : read_all(file, &content);
-    if (status == KDR_ERROR_IO) {
-        char words[128];
-        kdr_report(logger, status, "%s: %s", path, strerror_r(errno, words, sizeof(words)));
-    } else if (status != KDR_OK) {
-        kdr_report(logger, status, "%s: out of memory while reading", path);
-    }
-    if (file >= 0)
-        close(file);
-    if (status == KDR_OK)
-        status = kdr_image_decode_png(content.bytes, content.size, path, logger, out);
-    kdr_render_release(content.bytes, content.capacity);
+        return kdr_report(logger, KDR_ERROR_INVALID_ARGUMENT,
+                          "reading a PNG file needs a file name and room for an image");
+    kdr_file_bytes file;
+    kdr_status status = kdr_file_bytes_open(path, logger, &file);
+    if (status != KDR_OK)
+        return status;
+    status = kdr_image_decode_png(file.bytes, file.length, path, logger, out);
+    kdr_file_bytes_release(&file);
     return status;
 }

@@ -7,9 +7,9 @@
 
 /* Everything a ray of the picture can hit. All borrowed. */
 typedef struct kdr_stage {
-    const kdr_mesh *mesh;   /* geometry 0 */
-    const kdr_room *room;   /* geometry 1; NULL: none */
-    kdr_texture texture;    /* of the room */
+    const kdr_mesh *mesh; /* geometry 0 */
+    const kdr_room *room; /* geometry 1; NULL: none */
+    kdr_texture texture;  /* of the room */
 } kdr_stage;
 
 typedef struct kdr_surface {

@@ -10,8 +10,6 @@ static inline void *kdr_render_get(size_t count, size_t size) {
 }
 
 /* memory NULL is allowed; size is that of the whole request. */
-static inline void kdr_render_release(void *memory, size_t size) {
-    kdr_alloc_release(kdr_mesh_memory(), memory, size);
-}
+static inline void kdr_render_release(void *memory, size_t size) { kdr_alloc_release(kdr_mesh_memory(), memory, size); }
 
 #endif

@@ -1,5 +1,4 @@
 /* From a mesh and a wish to an image: scene, commit, blocks on all workers. */
-#include "base/check.h"
 #include "base/cpu.h"
 #include "mesh/report.h"
 #include "render/block.h"

@@ -27,8 +27,8 @@ const char *kdr_view_make(const kdr_camera *camera, uint32_t width, uint32_t hei
 static inline kdr_ray kdr_view_ray(const kdr_view *view, float x, float y) {
     float across = (2 * x / (float)view->width - 1) * view->half_width;
     float upward = (1 - 2 * y / (float)view->height) * view->half_height;
-    kdr_vector d = kdr_vector_add(view->forward, kdr_vector_add(kdr_vector_scale(view->right, across),
-                                                                kdr_vector_scale(view->up, upward)));
+    kdr_vector d = kdr_vector_add(
+        view->forward, kdr_vector_add(kdr_vector_scale(view->right, across), kdr_vector_scale(view->up, upward)));
     float length = sqrtf(kdr_vector_dot(d, d));
     return (kdr_ray){
         .origin_x = view->eye.x,

@@ -1,7 +1,7 @@
 #include "render/shade.h"
 
-#define AMBIENT 0.08f
-#define AMBIENT_FACING 0.12f
+#define AMBIENT 0.06f
+#define AMBIENT_FACING 0.10f
 
 kdr_vector kdr_shade_ambient(const kdr_surface *surface) {
     float towards_viewer = fmaxf(0, kdr_vector_dot(surface->shading_normal, surface->viewer));

@@ -7,8 +7,8 @@
 /* Linear values of the 256 codes, and where rounding goes from one code to the next. */
 typedef struct kdr_srgb_tables {
     float linear[256];
-    float threshold[257];  /* least linear value whose code is i or more; [0] is 0, [256] infinite */
-    uint8_t start[4097];   /* code of the linear value i / 4096 */
+    float threshold[257]; /* least linear value whose code is i or more; [0] is 0, [256] infinite */
+    uint8_t start[4097];  /* code of the linear value i / 4096 */
 } kdr_srgb_tables;
 
 /* Made on the first call. Thread safe. */

@@ -1,8 +1,8 @@
 /* The picture cut into blocks, handed out to whoever asks, and the count of what is done.
  *
- * A block is 64x64 pixels: enough rays for one call of a query, few enough to stay in a core's cache. Its pixels come as
- * 8x8 tiles, rows of tiles from the top, each tile in Morton order, so that any 4, 16 or 64 rays in a row that begin at
- * a multiple of their number look through a square. Blocks at the right and lower border are cut off. */
+ * A block is 64x64 pixels: enough rays for one call of a query, few enough to stay in a core's cache. Its pixels come
+ * as 8x8 tiles, rows of tiles from the top, each tile in Morton order, so that any 4, 16 or 64 rays in a row that begin
+ * at a multiple of their number look through a square. Blocks at the right and lower border are cut off. */
 #ifndef KDR_RENDER_TILE_H
 #define KDR_RENDER_TILE_H
 

@@ -31,7 +31,7 @@
 
 /* A ray outside the range of float intervals: rare, so its code is kept apart. */
 static __attribute__((noinline)) bool walk_in_double(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray,
-                                                const kdr_ray_frame *f, bool any, kdr_closest *closest) {
+                                                     const kdr_ray_frame *f, bool any, kdr_closest *closest) {
     double_ray r;
     bool holds;
     if (!double_begin(&r, ray, &entry->box, &holds))
@@ -58,10 +58,14 @@ static inline __attribute__((always_inline)) bool search(const kdr_tree *tree, c
 /* Hands over what was found, with the normal from the triangle's own vertices. */
 static void report(const kdr_closest *closest, kdr_found *found) {
     const float *a = closest->vertices[0], *b = closest->vertices[1], *c = closest->vertices[2];
-    float e[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, g[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-    found->normal[0] = e[1] * g[2] - e[2] * g[1];
-    found->normal[1] = e[2] * g[0] - e[0] * g[2];
-    found->normal[2] = e[0] * g[1] - e[1] * g[0];
+    double e[3], g[3];
+    for (int k = 0; k < 3; k++) {
+        e[k] = (double)b[k] - a[k];
+        g[k] = (double)c[k] - a[k];
+    }
+    found->normal[0] = (float)(e[1] * g[2] - e[2] * g[1]);
+    found->normal[1] = (float)(e[2] * g[0] - e[0] * g[2]);
+    found->normal[2] = (float)(e[0] * g[1] - e[1] * g[0]);
     found->t = closest->t;
     found->u = closest->u;
     found->v = closest->v;

@@ -26,7 +26,7 @@ while read -r command; do
     while read -r option; do
         complete_line kdray "$command" "$option"
         holds "bash knows $command $option" grep -qF " $option " <<<"$offers"
-        holds "zsh knows $option" grep -qE -- "[')},{(*]$option[]=})[']" "$folder/_kdray"
+        holds "zsh knows $option" grep -qE -- "[')},{(*]${option}[]=})[']" "$folder/_kdray"
         holds "fish knows $option" grep -qE -- "-l ${option#--}( |$)" "$folder/kdray.fish"
         [[ ! -s $page ]] || holds "the man page knows $option" grep -qF -- "${option//-/\\-}" "$page"
     done <options

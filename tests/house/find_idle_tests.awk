@@ -1,6 +1,6 @@
 # Prints the cmocka tests that reach no assertion, neither themselves nor through functions and macros of the files given:
-# a test that asserts nothing proves nothing. Give it the sources and headers of tests/support and every test program.
-# A name belongs to its test program, or, if tests/support defines it, to all.
+# a test that asserts nothing proves nothing. Give it every source and header of the tests.
+# A name belongs to its test program, or, if a file that is none defines it, to all.
 
 function begin(line) {
     if (!match(line, /[A-Za-z_][A-Za-z0-9_]*\(/)) return

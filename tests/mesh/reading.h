@@ -61,7 +61,7 @@ static inline kdr_mesh *read_bytes(const char *name, const void *bytes, size_t l
 static inline kdr_mesh *read_text(const char *name, const char *text) { return read_bytes(name, text, strlen(text)); }
 
 /* The bytes are refused with exactly one sentence, which begins with the name and holds `part`. */
-static inline void expect_refused(const char *name, const void *bytes, size_t length, kdr_status wanted,
+static inline void assert_refused(const char *name, const void *bytes, size_t length, kdr_status wanted,
                                   const char *part) {
     kdr_mesh *mesh;
     kdr_status status = try_bytes(name, bytes, length, &mesh);
@@ -74,8 +74,8 @@ static inline void expect_refused(const char *name, const void *bytes, size_t le
     assert_int_equal(kdr_render_bytes(), 0);
 }
 
-static inline void expect_text_refused(const char *name, const char *text, const char *part) {
-    expect_refused(name, text, strlen(text), KDR_ERROR_INVALID_DATA, part);
+static inline void assert_text_refused(const char *name, const char *text, const char *part) {
+    assert_refused(name, text, strlen(text), KDR_ERROR_INVALID_DATA, part);
 }
 
 /* The public promise of kdr_mesh. */
@@ -94,7 +94,7 @@ static inline void check_promise(const kdr_mesh *mesh) {
         assert_non_null(mesh->materials[i].name);
 }
 
-static inline void expect_positions(const kdr_mesh *mesh, size_t count, const float (*wanted)[3]) {
+static inline void assert_positions(const kdr_mesh *mesh, size_t count, const float (*wanted)[3]) {
     assert_int_equal(mesh->vertex_count, count);
     for (size_t i = 0; i < 3 * count; i++)
         if (mesh->positions[i] != wanted[i / 3][i % 3])
@@ -102,7 +102,7 @@ static inline void expect_positions(const kdr_mesh *mesh, size_t count, const fl
                      (double)mesh->positions[i]);
 }
 
-static inline void expect_indices(const kdr_mesh *mesh, size_t count, const uint32_t (*wanted)[3]) {
+static inline void assert_indices(const kdr_mesh *mesh, size_t count, const uint32_t (*wanted)[3]) {
     assert_int_equal(mesh->triangle_count, count);
     for (size_t i = 0; i < 3 * count; i++)
         if (mesh->indices[i] != wanted[i / 3][i % 3])

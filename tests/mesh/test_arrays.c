@@ -9,9 +9,9 @@
 static void growing_keeps_all_arrays(void **state) {
     (void)state;
     kdr_mesh *mesh;
-    assert_int_equal(kdr_mesh_create(0, 0, KDR_MESH_NORMALS | KDR_MESH_MATERIALS, "a name too long for its array, surely",
-                                     &mesh),
-                     KDR_OK);
+    assert_int_equal(
+        kdr_mesh_create(0, 0, KDR_MESH_NORMALS | KDR_MESH_MATERIALS, "a name too long for its array, surely", &mesh),
+        KDR_OK);
     assert_string_equal(mesh->format, "a name too long for its array, ");
     for (uint32_t i = 0; i < 1000; i++) {
         assert_int_equal(kdr_mesh_resize_vertices(mesh, i + 1), KDR_OK);

@@ -11,30 +11,19 @@
 static const char *make_sample(int number, byte_list *out) {
     out->length = 0;
     switch (number) {
-    case 0:
-        sample_ply_ascii(out);
-        return "t.ply";
-    case 1:
-        sample_ply_binary(out, false);
-        return "t.ply";
-    case 2:
-        sample_ply_binary(out, true);
-        return "t.ply";
-    case 3:
-        sample_obj(out);
-        return "t.obj";
-    case 4:
-        sample_stl_ascii(out);
-        return "t.stl";
-    case 5:
-        sample_stl_binary(out);
-        return "t.stl";
+    case 0: sample_ply_ascii(out); return "t.ply";
+    case 1: sample_ply_binary(out, false); return "t.ply";
+    case 2: sample_ply_binary(out, true); return "t.ply";
+    case 3: sample_obj(out); return "t.obj";
+    case 4: sample_stl_ascii(out); return "t.stl";
+    case 5: sample_stl_binary(out); return "t.stl";
     case 6:
-        put_text(out, "ply\nformat ascii 1.0\nelement face 2\nproperty uchar red\nproperty list uchar int vertex_index\n"
-                      "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
-                      "property float ny\nproperty float nz\nelement tristrips 1\n"
-                      "property list int int vertex_indices\nend_header\n7 4 0 1 2 3\n9 3 0 1 2\n-2 -2 0 0 0 0\n"
-                      "2 0 0 0 0 1\nnan 2 0 1 0 0\n-1 0 0 0 2 0\n8 0 1 2 3 -1 0 1 2\n");
+        put_text(out,
+                 "ply\nformat ascii 1.0\nelement face 2\nproperty uchar red\nproperty list uchar int vertex_index\n"
+                 "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
+                 "property float ny\nproperty float nz\nelement tristrips 1\n"
+                 "property list int int vertex_indices\nend_header\n7 4 0 1 2 3\n9 3 0 1 2\n-2 -2 0 0 0 0\n"
+                 "2 0 0 0 0 1\nnan 2 0 1 0 0\n-1 0 0 0 2 0\n8 0 1 2 3 -1 0 1 2\n");
         return "t.ply";
     default: {
         byte_list plain = {.length = 0};
@@ -55,7 +44,7 @@ static const char *make_sample(int number, byte_list *out) {
 }
 
 /* Whatever the bytes: a sound mesh, or no mesh and one sentence. */
-static void expect_mesh_or_sentence(const char *name, const byte_list *file) {
+static void assert_mesh_or_sentence(const char *name, const byte_list *file) {
     kdr_mesh *mesh;
     kdr_status status = try_bytes(name, file->bytes, file->length, &mesh);
     if (status == KDR_OK) {
@@ -78,7 +67,7 @@ static void a_file_cut_short_anywhere_is_refused_or_read_soundly(void **state) {
         const char *name = make_sample(sample, &file);
         for (size_t length = file.length; length-- > 0;) {
             file.length = length;
-            expect_mesh_or_sentence(name, &file);
+            assert_mesh_or_sentence(name, &file);
         }
     }
 }
@@ -111,7 +100,7 @@ static void a_file_with_changed_bytes_is_refused_or_read_soundly(void **state) {
                 *byte = test_random_below(&random, 2) ? (unsigned char)test_random_u32(&random)
                                                       : (unsigned char)(*byte ^ 1u << test_random_below(&random, 8));
             }
-            expect_mesh_or_sentence(name, &changed);
+            assert_mesh_or_sentence(name, &changed);
         }
     }
 }
@@ -119,8 +108,9 @@ static void a_file_with_changed_bytes_is_refused_or_read_soundly(void **state) {
 /* Numbers that are likely to be written into headers by mistake or malice. */
 static void a_file_with_other_numbers_is_refused_or_read_soundly(void **state) {
     (void)state;
-    static const char *const numbers[] = {"0", "-1", "5", "255", "65536", "2147483648", "4294967295", "4294967296",
-                                          "18446744073709551615", "1e9", "nan", "x"};
+    static const char *const numbers[] = {
+        "0",   "-1",  "5", "255", "65536", "2147483648", "4294967295", "4294967296", "18446744073709551615",
+        "1e9", "nan", "x"};
     for (int sample = 0; sample < SAMPLES; sample++) {
         byte_list file;
         const char *name = make_sample(sample, &file);
@@ -132,7 +122,7 @@ static void a_file_with_other_numbers_is_refused_or_read_soundly(void **state) {
                 put(&changed, file.bytes, at);
                 put_text(&changed, numbers[i]);
                 put(&changed, file.bytes + at + 1, file.length - at - 1);
-                expect_mesh_or_sentence(name, &changed);
+                assert_mesh_or_sentence(name, &changed);
             }
         }
     }

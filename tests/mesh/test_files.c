@@ -78,7 +78,7 @@ static void packed_data_in_several_members_is_one_file(void **state) {
     put_packed(&packed, plain.bytes + 100, plain.length - 100);
     put_text(&packed, "padding");
     kdr_mesh *mesh = read_bytes("t.ply.gz", packed.bytes, packed.length);
-    expect_indices(mesh, 4, tetrahedron_indices);
+    assert_indices(mesh, 4, tetrahedron_indices);
     close_mesh(mesh);
 }
 
@@ -88,14 +88,14 @@ static void damaged_packed_data_names_its_byte(void **state) {
     sample_ply_ascii(&plain);
     put_packed(&packed, plain.bytes, plain.length);
     for (size_t length = 2; length < packed.length; length++)
-        expect_refused("t.ply.gz", packed.bytes, length, KDR_ERROR_INVALID_DATA,
+        assert_refused("t.ply.gz", packed.bytes, length, KDR_ERROR_INVALID_DATA,
                        "expected more gzip data, the file ends");
     byte_list wrong = packed;
     wrong.bytes[2] = 99;
-    expect_refused("t.ply.gz", wrong.bytes, wrong.length, KDR_ERROR_INVALID_DATA, "byte 4: expected sound gzip data");
+    assert_refused("t.ply.gz", wrong.bytes, wrong.length, KDR_ERROR_INVALID_DATA, "byte 4: expected sound gzip data");
     wrong = packed;
     wrong.bytes[wrong.length - 6] ^= 1;
-    expect_refused("t.ply.gz", wrong.bytes, wrong.length, KDR_ERROR_INVALID_DATA, "expected sound gzip data");
+    assert_refused("t.ply.gz", wrong.bytes, wrong.length, KDR_ERROR_INVALID_DATA, "expected sound gzip data");
 }
 
 static void a_claim_of_gigabytes_in_packed_data_takes_no_memory(void **state) {
@@ -104,7 +104,7 @@ static void a_claim_of_gigabytes_in_packed_data_takes_no_memory(void **state) {
     put_packed(&packed, "nothing", 7);
     memset(packed.bytes + packed.length - 4, 0xff, 4);
     atomic_store(&kdr_mesh_memory()->peak_bytes, 0);
-    expect_refused("t.ply.gz", packed.bytes, packed.length, KDR_ERROR_INVALID_DATA, "expected sound gzip data");
+    assert_refused("t.ply.gz", packed.bytes, packed.length, KDR_ERROR_INVALID_DATA, "expected sound gzip data");
     assert_true(kdr_mesh_memory()->peak_bytes < (size_t)1 << 20);
 }
 
@@ -144,9 +144,9 @@ static void what_is_no_readable_file_is_told(void **state) {
 static void an_unknown_format_is_told(void **state) {
     (void)state;
     static const unsigned char noise[300] = {0x89, 'n', 'o', 'i', 's', 'e', 1, 2, 3};
-    expect_refused("noise", noise, sizeof noise, KDR_ERROR_UNSUPPORTED, "expected a mesh (PLY, OBJ, STL");
-    expect_refused("noise.txt", "Dear reader,\n", 13, KDR_ERROR_UNSUPPORTED, "expected a mesh (PLY, OBJ, STL");
-    expect_refused("noise.ply", noise, sizeof noise, KDR_ERROR_INVALID_DATA, "line 1: expected 'ply'");
+    assert_refused("noise", noise, sizeof noise, KDR_ERROR_UNSUPPORTED, "expected a mesh (PLY, OBJ, STL");
+    assert_refused("noise.txt", "Dear reader,\n", 13, KDR_ERROR_UNSUPPORTED, "expected a mesh (PLY, OBJ, STL");
+    assert_refused("noise.ply", noise, sizeof noise, KDR_ERROR_INVALID_DATA, "line 1: expected 'ply'");
 }
 
 static void content_goes_before_the_name(void **state) {
@@ -197,15 +197,15 @@ static void a_pipe_is_read_to_its_end(void **state) {
     pthread_join(thread, NULL);
     unlink(path);
     assert_int_equal(status, KDR_OK);
-    expect_indices(mesh, 4, tetrahedron_indices);
+    assert_indices(mesh, 4, tetrahedron_indices);
     close_mesh(mesh);
 }
 
 static void a_name_of_a_builtin_scene_is_taken_apart(void **state) {
     (void)state;
-    static const char *const wrong[] = {"builtin:city:", "builtin:city:many", "builtin:city:-5", "builtin:city:100:",
-                                        "builtin:city:100:soon", "builtin:city:100:nan", "builtin:city:100:1:2",
-                                        "builtin:city:100x"};
+    static const char *const wrong[] = {"builtin:city:",        "builtin:city:many",     "builtin:city:-5",
+                                        "builtin:city:100:",    "builtin:city:100:soon", "builtin:city:100:nan",
+                                        "builtin:city:100:1:2", "builtin:city:100x"};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         kdr_mesh *mesh;
         heard = (told){0};

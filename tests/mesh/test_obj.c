@@ -7,7 +7,8 @@ static void a_tetrahedron_with_normals_splits_vertices_only_where_they_differ(vo
     kdr_mesh *mesh = read_bytes("t.obj", file.bytes, file.length);
     assert_int_equal(mesh->triangle_count, 4);
     assert_int_equal(mesh->vertex_count, 12); // three faces with three normals meet in every vertex
-    static const float face_normals[4][3] = {{0, 0, -1}, {0, -1, 0}, {-1, 0, 0}, {0.57735027f, 0.57735027f, 0.57735027f}};
+    static const float face_normals[4][3] = {
+        {0, 0, -1}, {0, -1, 0}, {-1, 0, 0}, {0.57735027f, 0.57735027f, 0.57735027f}};
     for (size_t i = 0; i < 12; i++) {
         size_t vertex = mesh->indices[i];
         for (size_t axis = 0; axis < 3; axis++) {
@@ -31,7 +32,7 @@ static void equal_normals_do_not_split_a_vertex(void **state) {
     static const uint32_t wanted[2][3] = {{0, 1, 2}, {0, 2, 3}};
     kdr_mesh *mesh = read_text("t.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\n"
                                         "f 1//1 2//1 3//2\nf 1//3 3//-1 4//2\n");
-    expect_indices(mesh, 2, wanted);
+    assert_indices(mesh, 2, wanted);
     assert_int_equal(mesh->vertex_count, 4);
     close_mesh(mesh);
 }
@@ -51,11 +52,12 @@ static void all_forms_of_corners_and_numbers_are_read(void **state) {
     static const float positions[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
     static const uint32_t wanted[10][3] = {{0, 1, 2}, {0, 1, 2}, {0, 1, 2}, {0, 1, 2}, {0, 1, 2},
                                            {0, 1, 2}, {1, 2, 3}, {0, 1, 2}, {0, 2, 3}, {3, 0, 2}};
-    kdr_mesh *mesh = read_text("t.obj", "\xef\xbb\xbfv 0 0 0 1.0\r\nv 1 0 0 0.5 0.5 0.5\r\nv\t1  1 0\r\nv 0 \\\r\n 1 0 # last\r\n"
-                                        "vt 0 0\r\nvt 1 1\r\nvn 0 0 1\r\ng one\r\ns off\r\n"
-                                        "f 1 2 3\r\nf 1/1 2/2 3/1\r\nf 1/1/1 2/2/1 3/1/1\r\nf 1//1 2//1 3//1\r\n"
-                                        "f 1/ 2/ 3/\r\nf 1// 2// 3//\r\nf -3 -2 -1\r\nf 1 2 \\\n3 4 # square\r\n"
-                                        "f 4 1/-1 3/-2/-1");
+    kdr_mesh *mesh =
+        read_text("t.obj", "\xef\xbb\xbfv 0 0 0 1.0\r\nv 1 0 0 0.5 0.5 0.5\r\nv\t1  1 0\r\nv 0 \\\r\n 1 0 # last\r\n"
+                           "vt 0 0\r\nvt 1 1\r\nvn 0 0 1\r\ng one\r\ns off\r\n"
+                           "f 1 2 3\r\nf 1/1 2/2 3/1\r\nf 1/1/1 2/2/1 3/1/1\r\nf 1//1 2//1 3//1\r\n"
+                           "f 1/ 2/ 3/\r\nf 1// 2// 3//\r\nf -3 -2 -1\r\nf 1 2 \\\n3 4 # square\r\n"
+                           "f 4 1/-1 3/-2/-1");
     assert_int_equal(mesh->triangle_count, 10);
     for (size_t i = 0; i < 30; i++) // corners with and without a normal lie on vertices of their own
         assert_memory_equal(mesh->positions + 3 * (size_t)mesh->indices[i], positions[wanted[i / 3][i % 3]], 12);
@@ -67,7 +69,7 @@ static void a_face_may_name_vertices_that_come_later(void **state) {
     (void)state;
     static const uint32_t wanted[2][3] = {{0, 1, 2}, {0, 2, 3}};
     kdr_mesh *mesh = read_text("t.obj", "f 1 2 3 4\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n");
-    expect_indices(mesh, 2, wanted);
+    assert_indices(mesh, 2, wanted);
     close_mesh(mesh);
 }
 
@@ -76,7 +78,7 @@ static void concave_polygons_are_cut_inside_and_keep_their_normals(void **state)
     static const uint32_t wanted[2][3] = {{3, 0, 1}, {1, 2, 3}};
     kdr_mesh *mesh = read_text("t.obj", "v -2 -2 0\nv 2 0 0\nv -2 2 0\nv -1 0 0\nvn 0 0 1\nvn 0 1 0\nvn 1 0 0\n"
                                         "vn 0 0 -1\nf 1//1 2//2 3//3 4//4\n");
-    expect_indices(mesh, 2, wanted);
+    assert_indices(mesh, 2, wanted);
     static const float normals[4][3] = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 0, -1}};
     assert_memory_equal(mesh->normals, normals, sizeof normals);
     close_mesh(mesh);
@@ -84,8 +86,9 @@ static void concave_polygons_are_cut_inside_and_keep_their_normals(void **state)
 
 static void triangles_before_the_first_material_have_one_without_a_name(void **state) {
     (void)state;
-    kdr_mesh *mesh = read_text("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl  old brick \nf 3 2 1\nusemtl glass\n"
-                                        "usemtl old brick\nf 2 1 3\nf 1 2\nf\n");
+    kdr_mesh *mesh =
+        read_text("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl  old brick \nf 3 2 1\nusemtl glass\n"
+                           "usemtl old brick\nf 2 1 3\nf 1 2\nf\n");
     static const uint32_t materials[3] = {0, 1, 1};
     assert_int_equal(mesh->triangle_count, 3);
     assert_memory_equal(mesh->triangle_materials, materials, sizeof materials);
@@ -163,25 +166,48 @@ static void material_files_beside_the_mesh_give_colours(void **state) {
     assert_int_equal(rmdir(folder), 0);
 }
 
+static void a_file_that_names_itself_as_its_materials_is_read_a_few_times_only(void **state) {
+    (void)state;
+    char folder[64], lines[100 * 14 + 1] = "";
+    make_folder(folder);
+    for (int i = 0; i < 100; i++)
+        strcat(lines, "mtllib m.obj\n");
+    char path[128], text[2000];
+    snprintf(text, sizeof text, "%s" OBJ, lines);
+    write_file(folder, "m.obj", text, strlen(text), path);
+    heard = (told){0};
+    kdr_mesh *mesh;
+    assert_int_equal(kdr_mesh_read(path, &hearing, &mesh), KDR_OK);
+    assert_int_equal(heard.warnings, 1);
+    assert_non_null(strstr(heard.warning, "line 65: more than 64 material files"));
+    close_mesh(mesh);
+    unlink(path);
+    assert_int_equal(rmdir(folder), 0);
+}
+
 static void a_wrong_line_is_named_with_what_was_expected(void **state) {
     (void)state;
-    expect_text_refused("t.obj", "v 0 0 0\nv 1 2\n", "line 2: expected three numbers of a vertex, found the end of the");
-    expect_text_refused("t.obj", "v 0 0 z\n", "line 1: expected three numbers of a vertex, found 'z'");
-    expect_text_refused("t.obj", "vn 0 0\n", "line 1: expected three numbers of a normal");
-    expect_text_refused("t.obj", "v 0 0 0\n\n# c\nf 1 0 1\n", "line 4: expected the number of a vertex (1 and up, or -1");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1 1 -2\n", "line 2: expected the number of a vertex (1 and up, or -1 and "
-                                                       "down), 1 came before, found -2");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1 1 1\nf 1 3 1\nf 1 2 1\n",
+    assert_text_refused("t.obj", "v 0 0 0\nv 1 2\n",
+                        "line 2: expected three numbers of a vertex, found the end of the");
+    assert_text_refused("t.obj", "v 0 0 z\n", "line 1: expected three numbers of a vertex, found 'z'");
+    assert_text_refused("t.obj", "vn 0 0\n", "line 1: expected three numbers of a normal");
+    assert_text_refused("t.obj", "v 0 0 0\n\n# c\nf 1 0 1\n",
+                        "line 4: expected the number of a vertex (1 and up, or -1");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1 1 -2\n",
+                        "line 2: expected the number of a vertex (1 and up, or -1 and "
+                        "down), 1 came before, found -2");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1 1 1\nf 1 3 1\nf 1 2 1\n",
                         "line 3: expected the number of a vertex, the file has 1, found 3");
-    expect_text_refused("t.obj", "v 0 0 0\nvt 0 0\nf 1/1 1/2 1/1\n", "the number of a texture vertex, the file has 1");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1//1 1//1 1//1\n", "the number of a normal, the file has 0, found 1");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1//-1 1 1\n", "the number of a normal (1 and up, or -1 and down), 0 came");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1 a 1\n", "line 2: expected a corner (v, v/vt, v//vn or v/vt/vn), found 'a'");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1/1/1/1 1 1\n", "expected");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1 1 99999999999999999999\n", "expected a corner");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1 1 4294967296\n", "found 4294967296");
-    expect_text_refused("t.obj", "v 0 0 0\nf 1 \\\n 1 \\\n 7x\n", "line 4: expected a corner");
-    expect_text_refused("t.obj", "\nnot a mesh at all\n", "line 2: expected a keyword of an OBJ file");
+    assert_text_refused("t.obj", "v 0 0 0\nvt 0 0\nf 1/1 1/2 1/1\n", "the number of a texture vertex, the file has 1");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1//1 1//1 1//1\n", "the number of a normal, the file has 0, found 1");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1//-1 1 1\n", "the number of a normal (1 and up, or -1 and down), 0 came");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1 a 1\n",
+                        "line 2: expected a corner (v, v/vt, v//vn or v/vt/vn), found 'a'");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1/1/1/1 1 1\n", "expected");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1 1 99999999999999999999\n", "expected a corner");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1 1 4294967296\n", "found 4294967296");
+    assert_text_refused("t.obj", "v 0 0 0\nf 1 \\\n 1 \\\n 7x\n", "line 4: expected a corner");
+    assert_text_refused("t.obj", "\nnot a mesh at all\n", "line 2: expected a keyword of an OBJ file");
 }
 
 int main(void) {
@@ -195,6 +221,7 @@ int main(void) {
         cmocka_unit_test(triangles_before_the_first_material_have_one_without_a_name),
         cmocka_unit_test(a_thousand_materials_are_told_apart),
         cmocka_unit_test(material_files_beside_the_mesh_give_colours),
+        cmocka_unit_test(a_file_that_names_itself_as_its_materials_is_read_a_few_times_only),
         cmocka_unit_test(a_wrong_line_is_named_with_what_was_expected),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

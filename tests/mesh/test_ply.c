@@ -9,8 +9,8 @@ static void a_tetrahedron_reads_the_same_in_all_three_formats(void **state) {
         else
             sample_ply_binary(&file, form == 2);
         kdr_mesh *mesh = read_bytes("t.ply", file.bytes, file.length);
-        expect_positions(mesh, 4, tetrahedron_positions);
-        expect_indices(mesh, 4, tetrahedron_indices);
+        assert_positions(mesh, 4, tetrahedron_positions);
+        assert_indices(mesh, 4, tetrahedron_indices);
         assert_null(mesh->normals);
         assert_null(mesh->triangle_materials);
         assert_int_equal(heard.warnings, 0);
@@ -20,8 +20,8 @@ static void a_tetrahedron_reads_the_same_in_all_three_formats(void **state) {
     }
 }
 
-static const char *const type_names[][2] = {{"char", "int8"},  {"uchar", "uint8"}, {"short", "int16"},
-                                            {"ushort", "uint16"}, {"int", "int32"}, {"uint", "uint32"},
+static const char *const type_names[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                                            {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
                                             {"float", "float32"}, {"double", "float64"}};
 
 /* A whole number as any scalar type. */
@@ -68,8 +68,8 @@ static void every_scalar_type_and_order_of_properties_is_read(void **state) {
                     put_scalar(&file, index_type, (int)triangle[0][i], big);
                 put_u8(&file, 1);
                 kdr_mesh *mesh = read_bytes("t.ply", file.bytes, file.length);
-                expect_positions(mesh, 3, wanted);
-                expect_indices(mesh, 1, triangle);
+                assert_positions(mesh, 3, wanted);
+                assert_indices(mesh, 1, triangle);
                 close_mesh(mesh);
             }
         }
@@ -87,8 +87,8 @@ static void other_elements_and_lists_are_passed_over(void **state) {
                  "property list uchar float texcoord\r\nproperty list uchar int vertex_indices\r\n"
                  "element nothing 5000000000\r\nend_header\r\n"
                  "2 0.5 0.5\r\n0\r\n\r\n2 8 9 1 2 3\r\n0 4 5 6\r\n1 7 7 8 9\r\n0 1\r\n6 0 0 0 0 0 0 3 0 1 2\r\n");
-    expect_positions(mesh, 3, wanted);
-    expect_indices(mesh, 1, triangle);
+    assert_positions(mesh, 3, wanted);
+    assert_indices(mesh, 1, triangle);
     assert_int_equal(heard.warnings, 0);
     close_mesh(mesh);
 }
@@ -97,10 +97,11 @@ static void faces_before_the_vertices_are_cut_by_their_shape(void **state) {
     (void)state;
     // An arrow head: the last corner looks inward, and a fan from the first one would reach outside.
     static const uint32_t wanted[2][3] = {{3, 0, 1}, {1, 2, 3}};
-    kdr_mesh *mesh = read_text("t.ply", "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
-                                        "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-                                        "end_header\n4 0 1 2 3\n-2 -2 0\n2 0 0\n-2 2 0\n-1 0 0\n");
-    expect_indices(mesh, 2, wanted);
+    kdr_mesh *mesh =
+        read_text("t.ply", "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+                           "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                           "end_header\n4 0 1 2 3\n-2 -2 0\n2 0 0\n-2 2 0\n-1 0 0\n");
+    assert_indices(mesh, 2, wanted);
     close_mesh(mesh);
 }
 
@@ -124,7 +125,7 @@ static void polygons_become_triangles_and_shorter_faces_are_told(void **state) {
     for (uint32_t i = 0; i < 3; i++)
         put_u32(&file, 4 - i, false);
     kdr_mesh *mesh = read_bytes("t.ply", file.bytes, file.length);
-    expect_indices(mesh, 4, wanted);
+    assert_indices(mesh, 4, wanted);
     assert_int_equal(heard.warnings, 1);
     assert_string_equal(heard.warning, "t.ply: 2 faces of fewer than three corners were passed over");
     close_mesh(mesh);
@@ -136,7 +137,7 @@ static void strips_face_one_side_and_begin_again_after_minus_one(void **state) {
     kdr_mesh *mesh = read_text("t.ply", "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
                                         "property float z\nelement tristrips 1\nproperty list int int vertex_indices\n"
                                         "end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n9 0 1 2 3 4 -1 0 2 4\n");
-    expect_indices(mesh, 4, wanted);
+    assert_indices(mesh, 4, wanted);
     close_mesh(mesh);
 }
 
@@ -155,11 +156,12 @@ static void normals_are_made_unit_length_and_filled_in_where_they_are_zero(void 
 static void triangles_of_infinite_vertices_are_dropped_counted_and_told(void **state) {
     (void)state;
     static const uint32_t wanted[1][3] = {{0, 1, 2}};
-    kdr_mesh *mesh = read_text("t.ply", "ply\nformat ascii 1.0\nelement vertex 7\nproperty double x\nproperty double y\n"
-                                        "property double z\nelement face 4\nproperty list uchar int vertex_indices\n"
-                                        "end_header\n0 0 0\n1 0 0\n0 1 0\nnan 0 0\n0 -inf 0\n0 0 1e39\n-NaN 1 1\n"
-                                        "3 0 1 3\n3 0 1 2\n3 3 4 1\n3 5 0 1\n");
-    expect_indices(mesh, 1, wanted);
+    kdr_mesh *mesh =
+        read_text("t.ply", "ply\nformat ascii 1.0\nelement vertex 7\nproperty double x\nproperty double y\n"
+                           "property double z\nelement face 4\nproperty list uchar int vertex_indices\n"
+                           "end_header\n0 0 0\n1 0 0\n0 1 0\nnan 0 0\n0 -inf 0\n0 0 1e39\n-NaN 1 1\n"
+                           "3 0 1 3\n3 0 1 2\n3 3 4 1\n3 5 0 1\n");
+    assert_indices(mesh, 1, wanted);
     assert_int_equal(mesh->dropped_count, 3);
     assert_int_equal(mesh->dropped_vertex_count, 3); // the last vertex harms no triangle
     assert_int_equal(mesh->vertex_count, 7);
@@ -196,45 +198,49 @@ static void bytes_after_the_last_element_are_told(void **state) {
     close_mesh(mesh);
 }
 
-#define VERTICES                                                                                                     \
+#define VERTICES                                                                                                       \
     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
 #define HEAD VERTICES "property list uchar int vertex_indices\nend_header\n"
 
 static void a_wrong_header_names_its_line_and_what_was_expected(void **state) {
     (void)state;
-    expect_text_refused("t.ply", "play\n", "line 1: expected 'ply'");
-    expect_text_refused("t.ply", "ply\nformat ascii 1.0\n", "line 3: expected 'end_header', the file ends");
-    expect_text_refused("t.ply", "ply\nelement vertex 1\nend_header\n", "line 3: expected a line 'format'");
-    expect_text_refused("t.ply", "ply\nformat text 1.0\n", "line 2: expected ascii, binary_little_endian or");
-    expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement vertex -2\n", "line 3: expected an element's name");
-    expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement vertex x\n", "found 'x'");
-    expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement a 1\nelement a 1\n", "line 4: expected another element");
-    expect_text_refused("t.ply", "ply\nformat ascii 1.0\nproperty int a\n", "line 3: expected an element before");
-    expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement a 1\nproperty integer b\n", "found 'integer'");
-    expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement a 1\nproperty list float int b\n", "a whole type");
-    expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement a 1\nproperty int\n", "line 4: expected a property's");
-    expect_text_refused("t.ply", "ply\nformat ascii 1.0\nvertices 3\n", "line 3: expected comment, format, element");
-    expect_text_refused("t.ply", "ply\nformat ascii 1.0 again\n", "line 2: expected the end of the line, found 'again'");
-    expect_text_refused("t.ply", VERTICES "property int v\nend_header\n0 0 0\n1 0 0\n0 1 0\n3\n",
+    assert_text_refused("t.ply", "play\n", "line 1: expected 'ply'");
+    assert_text_refused("t.ply", "ply\nformat ascii 1.0\n", "line 3: expected 'end_header', the file ends");
+    assert_text_refused("t.ply", "ply\nelement vertex 1\nend_header\n", "line 3: expected a line 'format'");
+    assert_text_refused("t.ply", "ply\nformat text 1.0\n", "line 2: expected ascii, binary_little_endian or");
+    assert_text_refused("t.ply", "ply\nformat ascii 1.0\nelement vertex -2\n", "line 3: expected an element's name");
+    assert_text_refused("t.ply", "ply\nformat ascii 1.0\nelement vertex x\n", "found 'x'");
+    assert_text_refused("t.ply", "ply\nformat ascii 1.0\nelement a 1\nelement a 1\n",
+                        "line 4: expected another element");
+    assert_text_refused("t.ply", "ply\nformat ascii 1.0\nproperty int a\n", "line 3: expected an element before");
+    assert_text_refused("t.ply", "ply\nformat ascii 1.0\nelement a 1\nproperty integer b\n", "found 'integer'");
+    assert_text_refused("t.ply", "ply\nformat ascii 1.0\nelement a 1\nproperty list float int b\n", "a whole type");
+    assert_text_refused("t.ply", "ply\nformat ascii 1.0\nelement a 1\nproperty int\n", "line 4: expected a property's");
+    assert_text_refused("t.ply", "ply\nformat ascii 1.0\nvertices 3\n", "line 3: expected comment, format, element");
+    assert_text_refused("t.ply", "ply\nformat ascii 1.0 again\n",
+                        "line 2: expected the end of the line, found 'again'");
+    assert_text_refused("t.ply", VERTICES "property int v\nend_header\n0 0 0\n1 0 0\n0 1 0\n3\n",
                         "line 7: expected 'face' to have a list");
-    expect_text_refused("t.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n",
+    assert_text_refused("t.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n",
                         "line 3: expected vertices to have a number 'y'");
     const char *version = "ply\nformat ascii 2.0\n";
-    expect_refused("t.ply", version, strlen(version), KDR_ERROR_UNSUPPORTED, "expected PLY version 1.0, found '2.0'");
+    assert_refused("t.ply", version, strlen(version), KDR_ERROR_UNSUPPORTED, "expected PLY version 1.0, found '2.0'");
 }
 
 static void a_wrong_text_body_names_its_line_and_what_was_expected(void **state) {
     (void)state;
-    expect_text_refused("t.ply", HEAD "0 0 0\n1 0\n0 1 0\n3 0 1 2\n", "line 11: expected a number, found the end");
-    expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0 4\n0 1 0\n3 0 1 2\n", "line 11: expected the end of the line");
-    expect_text_refused("t.ply", HEAD "0 0 0\n1 x 0\n0 1 0\n3 0 1 2\n", "line 11: expected a number, found 'x'");
-    expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "line 13: expected a vertex number below 3, found 3");
-    expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 -1 2\n", "found -1");
-    expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 0.5 2\n", "found 0.5");
-    expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", "line 13: expected the count of a list, found -3");
-    expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\nnan 0 1 2\n", "expected the count of a list, found nan");
-    expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n900 0 1 2\n", "line 13: expected a list of 900 values");
-    expect_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n\n\n", "row 1 of 1 of 'face'");
+    assert_text_refused("t.ply", HEAD "0 0 0\n1 0\n0 1 0\n3 0 1 2\n", "line 11: expected a number, found the end");
+    assert_text_refused("t.ply", HEAD "0 0 0\n1 0 0 4\n0 1 0\n3 0 1 2\n", "line 11: expected the end of the line");
+    assert_text_refused("t.ply", HEAD "0 0 0\n1 x 0\n0 1 0\n3 0 1 2\n", "line 11: expected a number, found 'x'");
+    assert_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
+                        "line 13: expected a vertex number below 3, found 3");
+    assert_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 -1 2\n", "found -1");
+    assert_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n3 0 0.5 2\n", "found 0.5");
+    assert_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n",
+                        "line 13: expected the count of a list, found -3");
+    assert_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\nnan 0 1 2\n", "expected the count of a list, found nan");
+    assert_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n900 0 1 2\n", "line 13: expected a list of 900 values");
+    assert_text_refused("t.ply", HEAD "0 0 0\n1 0 0\n0 1 0\n\n\n", "row 1 of 1 of 'face'");
 }
 
 static void a_wrong_binary_body_names_its_byte_and_what_was_expected(void **state) {
@@ -247,18 +253,18 @@ static void a_wrong_binary_body_names_its_byte_and_what_was_expected(void **stat
     snprintf(part, sizeof part, "byte %zu: expected a vertex number below 4, found 4", faces + 13 + 5);
     byte_list wrong = file;
     wrong.bytes[faces + 13 + 5] = 4;
-    expect_refused("t.ply", wrong.bytes, wrong.length, KDR_ERROR_INVALID_DATA, part);
+    assert_refused("t.ply", wrong.bytes, wrong.length, KDR_ERROR_INVALID_DATA, part);
     wrong.bytes[faces + 13 + 8] = 0xff;
-    expect_refused("t.ply", wrong.bytes, wrong.length, KDR_ERROR_INVALID_DATA, "found -16777212");
+    assert_refused("t.ply", wrong.bytes, wrong.length, KDR_ERROR_INVALID_DATA, "found -16777212");
 
     wrong = file;
     wrong.bytes[faces + 26] = 200;
     snprintf(part, sizeof part, "byte %zu: expected a list of 200 values, 25 bytes are left of the file", faces + 26);
-    expect_refused("t.ply", wrong.bytes, wrong.length, KDR_ERROR_INVALID_DATA, part);
+    assert_refused("t.ply", wrong.bytes, wrong.length, KDR_ERROR_INVALID_DATA, part);
 
     snprintf(part, sizeof part, "byte %zu: expected 4 rows of 'vertex', 12 bytes or more each; 47 bytes are left",
              faces - 48);
-    expect_refused("t.ply", file.bytes, faces - 1, KDR_ERROR_INVALID_DATA, part);
+    assert_refused("t.ply", file.bytes, faces - 1, KDR_ERROR_INVALID_DATA, part);
 }
 
 static void a_huge_count_in_a_small_file_takes_no_memory(void **state) {
@@ -274,11 +280,12 @@ static void a_huge_count_in_a_small_file_takes_no_memory(void **state) {
                      "end_header\n0 0 0\n",
                      format, counts[i]);
             atomic_store(&kdr_mesh_memory()->peak_bytes, 0);
-            expect_text_refused("t.ply", text, "expected");
-            snprintf(text, sizeof text,
-                     "ply\nformat %s 1.0\nelement face %s\nproperty list uchar int vertex_indices\nend_header\n3 0 0 0\n",
-                     format, counts[i]);
-            expect_text_refused("t.ply", text, "expected");
+            assert_text_refused("t.ply", text, "expected");
+            snprintf(
+                text, sizeof text,
+                "ply\nformat %s 1.0\nelement face %s\nproperty list uchar int vertex_indices\nend_header\n3 0 0 0\n",
+                format, counts[i]);
+            assert_text_refused("t.ply", text, "expected");
             assert_true(kdr_mesh_memory()->peak_bytes < 4096);
         }
     }

@@ -1,6 +1,6 @@
 #include "mesh/samples.h"
 
-static void expect_tetrahedron(kdr_mesh *mesh, const char *format) {
+static void assert_tetrahedron(kdr_mesh *mesh, const char *format) {
     assert_int_equal(mesh->vertex_count, 4); // equal vertices are one
     assert_int_equal(mesh->triangle_count, 4);
     for (size_t i = 0; i < 12; i++)
@@ -16,8 +16,8 @@ static void a_binary_file_that_begins_with_solid_is_read_by_its_length(void **st
     (void)state;
     byte_list file = {.length = 0};
     sample_stl_binary(&file);
-    expect_tetrahedron(read_bytes("t.stl", file.bytes, file.length), "STL binary");
-    expect_tetrahedron(read_bytes("no ending", file.bytes, file.length), "STL binary");
+    assert_tetrahedron(read_bytes("t.stl", file.bytes, file.length), "STL binary");
+    assert_tetrahedron(read_bytes("no ending", file.bytes, file.length), "STL binary");
     assert_int_equal(heard.warnings, 0);
 }
 
@@ -25,8 +25,8 @@ static void a_text_file_is_read(void **state) {
     (void)state;
     byte_list file = {.length = 0};
     sample_stl_ascii(&file);
-    expect_tetrahedron(read_bytes("t.stl", file.bytes, file.length), "STL ascii");
-    expect_tetrahedron(read_bytes("t.obj", file.bytes, file.length), "STL ascii");
+    assert_tetrahedron(read_bytes("t.stl", file.bytes, file.length), "STL ascii");
+    assert_tetrahedron(read_bytes("t.obj", file.bytes, file.length), "STL ascii");
 }
 
 static void several_solids_in_any_case_are_one_mesh(void **state) {
@@ -36,7 +36,7 @@ static void several_solids_in_any_case_are_one_mesh(void **state) {
                                         "solid facet\nendsolid facet\nsolid b\nfacet\nouter loop\nvertex 0 0 1\n"
                                         "vertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid");
     static const uint32_t wanted[2][3] = {{0, 1, 2}, {3, 1, 2}};
-    expect_indices(mesh, 2, wanted);
+    assert_indices(mesh, 2, wanted);
     close_mesh(mesh);
 }
 
@@ -45,7 +45,7 @@ static void bytes_after_the_last_triangle_are_told(void **state) {
     byte_list file = {.length = 0};
     sample_stl_binary(&file);
     put_text(&file, "tail");
-    expect_tetrahedron(read_bytes("t.stl", file.bytes, file.length), "STL binary");
+    assert_tetrahedron(read_bytes("t.stl", file.bytes, file.length), "STL binary");
     assert_string_equal(heard.warning, "t.stl: 4 bytes after the last triangle are passed over");
 }
 
@@ -80,18 +80,18 @@ static void a_wrong_file_names_its_place_and_what_was_expected(void **state) {
     (void)state;
     byte_list file = {.length = 0};
     sample_stl_binary(&file);
-    expect_refused("t.stl", file.bytes, file.length - 1, KDR_ERROR_INVALID_DATA,
+    assert_refused("t.stl", file.bytes, file.length - 1, KDR_ERROR_INVALID_DATA,
                    "byte 80: expected at most 3 triangles of 50 bytes in a file of 283 bytes, found 4");
     memset(file.bytes + 80, 0xff, 4);
-    expect_refused("t.stl", file.bytes, file.length, KDR_ERROR_INVALID_DATA, "found 4294967295");
-    expect_refused("t.stl", file.bytes, 70, KDR_ERROR_INVALID_DATA, "byte 70: expected the 84 bytes that begin");
+    assert_refused("t.stl", file.bytes, file.length, KDR_ERROR_INVALID_DATA, "found 4294967295");
+    assert_refused("t.stl", file.bytes, 70, KDR_ERROR_INVALID_DATA, "byte 70: expected the 84 bytes that begin");
 
-    expect_text_refused("t.stl", "solid a\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n",
+    assert_text_refused("t.stl", "solid a\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n",
                         "line 6: expected 'vertex', found 'endloop'");
-    expect_text_refused("t.stl", "solid a\nfacet\nloop\n", "line 3: expected 'outer', found 'loop'");
-    expect_text_refused("t.stl", "solid a\nfacet\nouter loop\nvertex 0 y 0\n", "line 4: expected three numbers of a");
-    expect_text_refused("t.stl", "solid a\n", "line 2: expected 'endsolid', found the end of the file");
-    expect_text_refused("t.stl", "solid a\nendsolid a\nvertex\n", "line 3: expected 'solid', found 'vertex'");
+    assert_text_refused("t.stl", "solid a\nfacet\nloop\n", "line 3: expected 'outer', found 'loop'");
+    assert_text_refused("t.stl", "solid a\nfacet\nouter loop\nvertex 0 y 0\n", "line 4: expected three numbers of a");
+    assert_text_refused("t.stl", "solid a\n", "line 2: expected 'endsolid', found the end of the file");
+    assert_text_refused("t.stl", "solid a\nendsolid a\nvertex\n", "line 3: expected 'solid', found 'vertex'");
 }
 
 int main(void) {

@@ -16,7 +16,7 @@ static double area(const float *p, const uint32_t *corners, size_t count) {
 }
 
 /* Every triangle turns as the polygon does, and their areas add up to the polygon's: nothing is covered twice. */
-static void expect_partition(const float *positions, const uint32_t *corners, size_t count) {
+static void assert_partition(const float *positions, const uint32_t *corners, size_t count) {
     uint32_t triangles[3 * MOST];
     kdr_triangulate(positions, corners, count, triangles);
     double whole = area(positions, corners, count), sum = 0;
@@ -49,7 +49,7 @@ static void random_star_shaped_polygons_are_cut_without_overlap(void **state) {
             positions[3 * i + 2] = 0;
             corners[i] = (uint32_t)(backwards ? count - 1 - i : i);
         }
-        expect_partition(positions, corners, count);
+        assert_partition(positions, corners, count);
     }
 }
 
@@ -66,14 +66,14 @@ static void a_comb_and_a_spiral_are_cut_without_overlap(void **state) {
         corners[i] = 61 - i;
     }
     comb[180] = 59, comb[181] = 0, comb[183] = 0, comb[184] = 0;
-    expect_partition(comb, corners, 62);
+    assert_partition(comb, corners, 62);
 
-    float spiral[3 * 80];
-    uint32_t around[80];
-    for (uint32_t i = 0; i < 40; i++) {
+    float spiral[3 * 60];
+    uint32_t around[60];
+    for (uint32_t i = 0; i < 30; i++) {
         double angle = 0.4 * (double)i, radius = 1 + 0.2 * angle;
         for (uint32_t side = 0; side < 2; side++) {
-            uint32_t at = side ? 79 - i : i;
+            uint32_t at = side ? 59 - i : i;
             double r = radius * (side ? 1.02 : 1);
             spiral[3 * at] = (float)(r * cos(angle));
             spiral[3 * at + 1] = (float)(r * sin(angle));
@@ -81,7 +81,7 @@ static void a_comb_and_a_spiral_are_cut_without_overlap(void **state) {
             around[at] = at;
         }
     }
-    expect_partition(spiral, around, 80);
+    assert_partition(spiral, around, 60);
 }
 
 static void degenerate_polygons_give_triangles_of_their_own_corners(void **state) {

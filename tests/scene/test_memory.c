@@ -56,8 +56,11 @@ static int setup(void **state) {
         float target[3];
         for (int axis = 0; axis < 3; axis++)
             target[axis] = (aim->a[axis] + aim->b[axis] + aim->c[axis]) / 3;
-        made->rays[i] = (kdr_ray){.origin_z = -4, .direction_x = target[0], .direction_y = target[1],
-                                  .direction_z = target[2] + 4, .tmax = INFINITY};
+        made->rays[i] = (kdr_ray){.origin_z = -4,
+                                  .direction_x = target[0],
+                                  .direction_y = target[1],
+                                  .direction_z = target[2] + 4,
+                                  .tmax = INFINITY};
     }
     made->old_sheet = query_sheet_create(&made->old_tree, made->rays, RAYS);
     made->old_hash = hash_of(made->old_soup.geometries);
@@ -119,6 +122,7 @@ static void a_scene_that_gets_no_memory_leaves_nothing_behind(void **state) {
     fixture *made = *state;
     failing_alloc_fail_nth(&made->memory, 0);
     kdr_device *device = device_on(&made->memory, 1);
+    kdr_device_trim(device);
     size_t bytes = kdr_device_bytes(device);
     for (uint64_t n = 1;; n++) {
         failing_alloc_fail_nth(&made->memory, n);
@@ -141,6 +145,7 @@ static void a_scene_that_gets_no_memory_leaves_nothing_behind(void **state) {
             assert_int_equal(geometry, i);
         }
         kdr_scene_destroy(scene);
+        kdr_device_trim(device); // a device keeps what its scenes give back
         assert_int_equal(kdr_device_bytes(device), bytes);
         if (!failed)
             break;

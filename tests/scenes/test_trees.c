@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #define TRIANGLES TEST_SIZE(20000)
-#define RAYS TEST_SIZE(2000)
+#define RAYS TEST_SIZE(300)
 
 static void hold_scene(const char *name, uint64_t sequence, double time) {
     kdr_mesh *mesh;

@@ -67,7 +67,7 @@ kdr_scene *committed_scene(kdr_device *device, const kdr_triangles_def *geometri
     return scene;
 }
 
-/* Returns the hash of the tree. */
+/* Returns the hash of the tree. sheet NULL: asks nothing. */
 static uint64_t hold_one(kdr_device *device, const kdr_triangles_def *geometries, uint32_t geometry_count,
                          const query_sheet *sheet, const build_case *built, const char *label) {
     char name[200];
@@ -76,7 +76,7 @@ static uint64_t hold_one(kdr_device *device, const kdr_triangles_def *geometries
     kdr_scene *scene = committed_scene(device, geometries, geometry_count, &built->def);
     if (kdr_scene_verify(scene) != KDR_OK)
         fail_msg("%s: the tree is not sound", name);
-    if (query_sheet_differences(sheet, scene, name) > 0)
+    if (sheet && query_sheet_differences(sheet, scene, name) > 0)
         fail_msg("%s: wrong answers", name);
     uint64_t hash = kdr_scene_hash(scene);
     kdr_scene_destroy(scene);
@@ -96,7 +96,9 @@ void hold_everywhere(const kdr_triangles_def *geometries, uint32_t geometry_coun
             if (!device)
                 continue;
             for (size_t i = 0; i < case_count; i++) {
-                uint64_t hash = hold_one(device, geometries, geometry_count, sheet, &build_cases()[i], label);
+                // An equal tree need not be asked again.
+                const query_sheet *asked = workers == 1 ? sheet : NULL;
+                uint64_t hash = hold_one(device, geometries, geometry_count, asked, &build_cases()[i], label);
                 if (device_count > 0 && hash != hashes[i])
                     fail_msg("%s: %s with %u workers builds another tree", label, kdr_isa_name((kdr_isa)isa), workers);
                 hashes[i] = hash;

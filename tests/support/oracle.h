@@ -24,7 +24,8 @@ bool oracle_triangle_exact(const kdr_ray *ray, const float a[3], const float b[3
 
 /* Barycentric coordinates of the point where that line meets the triangle's plane, correct to a few units of double.
  * Returns how far from them plain doubles may end, since the edge functions they come from cancel. */
-double oracle_barycentric(const kdr_ray *ray, const float a[3], const float b[3], const float c[3], double *u, double *v);
+double oracle_barycentric(const kdr_ray *ray, const float a[3], const float b[3], const float c[3], double *u,
+                          double *v);
 
 typedef struct oracle_primitive {
     float a[3], b[3], c[3];

@@ -1,7 +1,8 @@
 /* Rays with the oracle's answers, and a scene of the library held against them.
  *
- * Distances, geometries and primitives must be equal; u and v lie within QUERY_WEIGHT_SLACK of the exact values, plus what
- * plain doubles may be wrong by, and the normal within rounding of (b - a) x (c - a). What differs is printed with %a, so that it can be asked again. */
+ * Distances, geometries and primitives must be equal; u and v lie within QUERY_WEIGHT_SLACK of the exact values, plus
+ * what plain doubles may be wrong by, and the normal within rounding of (b - a) x (c - a). What differs is printed with
+ * %a, so that it can be asked again. */
 #ifndef KDR_TESTS_SUPPORT_QUERY_SHEET_H
 #define KDR_TESTS_SUPPORT_QUERY_SHEET_H
 

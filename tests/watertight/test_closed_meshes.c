@@ -68,8 +68,13 @@ static void shoot_run(void *context, uint32_t index) {
         float o[3], target[3];
         shot->origin(&random, o);
         choose_target(&random, shot->mesh, i % 3, target);
-        rays[i] = (kdr_ray){.origin_x = o[0], .origin_y = o[1], .origin_z = o[2], .direction_x = target[0] - o[0],
-                            .direction_y = target[1] - o[1], .direction_z = target[2] - o[2], .tmax = INFINITY};
+        rays[i] = (kdr_ray){.origin_x = o[0],
+                            .origin_y = o[1],
+                            .origin_z = o[2],
+                            .direction_x = target[0] - o[0],
+                            .direction_y = target[1] - o[1],
+                            .direction_z = target[2] - o[2],
+                            .tmax = INFINITY};
         hits[i].ray = rays[i];
     }
     kdr_intersect_n(shot->scene, NULL, hits, RUN);
@@ -152,6 +157,39 @@ static void no_ray_leaves_a_blob_through_exact_vertices_and_edges(void **state) 
     assert_no_miss(mesh, origin_in_ball, 6);
 }
 
+/* The plane z = 0 cuts the torus along edges, and trees along that plane: such rays run between two cells all the way,
+ * and meet four triangles at a vertex. Directions of two lengths, since short ones take another path. */
+static void rays_between_two_halves_of_a_torus_see_both(void **state) {
+    (void)state;
+    enum { COUNT = TEST_SIZE(4000) };
+    closed_mesh mesh = closed_mesh_torus(100, 50);
+    closed_mesh_snap(&mesh, SNAP);
+    kdr_triangles_def def = closed_mesh_def(&mesh);
+    oracle_scene oracle = oracle_scene_create(&def, 1);
+    oracle_tree tree = oracle_tree_create(&oracle);
+    test_random random = test_random_start(test_random_seed(), 7);
+    kdr_ray *rays = test_allocate(COUNT, sizeof(kdr_ray));
+    for (int i = 0; i < COUNT; i++) {
+        float o[3], target[3];
+        origin_in_torus(&random, o);
+        choose_target(&random, &mesh, 0, target);
+        float length = i % 2 ? 1 : 0x1p-110f;
+        rays[i] = (kdr_ray){.origin_x = o[0],
+                            .origin_y = o[1],
+                            .direction_x = (target[0] - o[0]) * length,
+                            .direction_y = (target[1] - o[1]) * length,
+                            .tmax = INFINITY};
+    }
+    query_sheet sheet = query_sheet_create(&tree, rays, COUNT);
+    assert_true(sheet.hit_count == COUNT);
+    hold_everywhere(&def, 1, &sheet, 2, "torus cut in halves");
+    query_sheet_destroy(&sheet);
+    free(rays);
+    oracle_tree_destroy(&tree);
+    oracle_scene_destroy(&oracle);
+    closed_mesh_destroy(&mesh);
+}
+
 /* Every edge belongs to two triangles that run along it in opposite directions. */
 static void the_meshes_of_this_test_are_closed(void **state) {
     (void)state;
@@ -182,6 +220,7 @@ int main(void) {
         cmocka_unit_test(no_ray_leaves_a_geodesic_sphere_through_exact_vertices_and_edges),
         cmocka_unit_test(no_ray_leaves_a_torus),
         cmocka_unit_test(no_ray_leaves_a_torus_through_exact_vertices_and_edges),
+        cmocka_unit_test(rays_between_two_halves_of_a_torus_see_both),
         cmocka_unit_test(no_ray_leaves_a_blob),
         cmocka_unit_test(no_ray_leaves_a_blob_through_exact_vertices_and_edges),
     };

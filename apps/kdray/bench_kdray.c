@@ -1,0 +1,107 @@
+/* kdray as an engine: whole calls of 4096 rays ("stream"), or ray after ray ("single"). */
+#include "bench.h"
+#include "memory.h"
+
+#include <string.h>
+
+typedef struct kdray_state {
+    kdr_scene *scene;
+    kdr_build_def build;
+} kdray_state;
+
+static const kdray_state *state_of(const kdr_bench_engine *engine) { return engine->state; }
+
+/* kdray takes rays as they are. They are copied all the same: a closest hit changes its ray, and all tracers shall find
+ * their rays in the caches alike. */
+static void fill(const kdr_bench_engine *engine, const kdr_bench_rays *rays, size_t begin, size_t end,
+                 kdr_bench_sheet *sheet) {
+    (void)engine;
+    if (rays->any) {
+        memcpy((kdr_ray *)sheet->rays + begin, rays->rays + begin, (end - begin) * sizeof(kdr_ray));
+        memset(sheet->occluded + begin, 0, end - begin);
+        return;
+    }
+    kdr_ray_hit *ray_hits = sheet->rays;
+    for (size_t i = begin; i < end; i++)
+        ray_hits[i] = (kdr_ray_hit){.ray = rays->rays[i], .hit = {.geometry = KDR_INVALID_ID}};
+}
+
+static void trace_stream(const kdr_bench_engine *engine, const kdr_bench_rays *rays, size_t begin, size_t end,
+                         kdr_bench_sheet *sheet) {
+    const kdr_scene *scene = state_of(engine)->scene;
+    kdr_trace_def def = kdr_default_trace_def();
+    def.coherence = rays->coherent ? KDR_COHERENCE_COHERENT : KDR_COHERENCE_INCOHERENT;
+    if (rays->any)
+        kdr_occluded_n(scene, &def, (const kdr_ray *)sheet->rays + begin, sheet->occluded + begin, end - begin);
+    else
+        kdr_intersect_n(scene, &def, (kdr_ray_hit *)sheet->rays + begin, end - begin);
+}
+
+static void trace_single(const kdr_bench_engine *engine, const kdr_bench_rays *rays, size_t begin, size_t end,
+                         kdr_bench_sheet *sheet) {
+    const kdr_scene *scene = state_of(engine)->scene;
+    if (rays->any) {
+        const kdr_ray *lone = sheet->rays;
+        for (size_t i = begin; i < end; i++)
+            sheet->occluded[i] = kdr_occluded1(scene, &lone[i]);
+    } else {
+        kdr_ray_hit *lone = sheet->rays;
+        for (size_t i = begin; i < end; i++)
+            kdr_intersect1(scene, &lone[i]);
+    }
+}
+
+static uint64_t count_hits(const kdr_bench_engine *engine, const kdr_bench_rays *rays, size_t begin, size_t end,
+                           const kdr_bench_sheet *sheet) {
+    (void)engine;
+    const kdr_ray_hit *ray_hits = sheet->rays;
+    uint64_t hits = 0;
+    for (size_t i = begin; i < end; i++)
+        hits += rays->any ? sheet->occluded[i] : ray_hits[i].hit.geometry != KDR_INVALID_ID;
+    return hits;
+}
+
+static bool build(kdr_bench_engine *engine) {
+    const kdray_state *state = state_of(engine);
+    return kdr_scene_touch(state->scene, 0) == KDR_OK && kdr_scene_commit(state->scene, &state->build) == KDR_OK;
+}
+
+static double bytes(const kdr_bench_engine *engine) {
+    kdr_tree_stats stats;
+    if (kdr_scene_stats(state_of(engine)->scene, &stats) != KDR_OK)
+        return 0;
+    return (double)stats.node_bytes + (double)stats.leaf_bytes;
+}
+
+static void close_engine(kdr_bench_engine *engine) {
+    kdr_scene_destroy(state_of(engine)->scene);
+    kdr_memory_release(engine->state);
+    engine->state = NULL;
+}
+
+const kdr_scene *kdr_bench_kdray_scene(const kdr_bench_engine *engine) { return state_of(engine)->scene; }
+
+bool kdr_bench_kdray_open(const kdr_bench_scene *scene, const kdr_build_def *def, const kdr_logger *logger,
+                          kdr_bench_engine *out) {
+    kdray_state *state = kdr_memory_get(1, sizeof *state);
+    *state = (kdray_state){.build = *def};
+    *out = (kdr_bench_engine){
+        .name = "kdray",
+        .tracers = {{"stream", fill, trace_stream, count_hits}, {"single", fill, trace_single, count_hits}},
+        .build = build,
+        .bytes = bytes,
+        .close = close_engine,
+        .state = state,
+        .logger = logger};
+
+    kdr_triangles_def triangles = kdr_default_triangles_def();
+    triangles.vertices = scene->mesh->positions;
+    triangles.vertex_count = scene->mesh->vertex_count;
+    triangles.indices = scene->mesh->indices;
+    triangles.triangle_count = scene->mesh->triangle_count;
+    if (kdr_scene_create(scene->device, &state->scene) == KDR_OK &&
+        kdr_scene_add_triangles(state->scene, &triangles, NULL) == KDR_OK)
+        return true;
+    close_engine(out);
+    return false;
+}

@@ -1,0 +1,249 @@
+/* One run over a scene: every tracer gets the same rays, taking turns.
+ *
+ * A round rebuilds each engine and sends all kinds of rays through each tracer, so that whatever slows the machine for
+ * a while slows all of them; every other round goes backwards, so that none always follows the same neighbour. A figure
+ * is the median over the rounds. Only calls of a tracer are timed: laying out rays and counting hits are not. */
+#include "bench.h"
+#include "memory.h"
+
+#include <string.h>
+#include <time.h>
+
+#define ENGINE_LIMIT (KDR_BENCH_ROW_LIMIT / KDR_BENCH_ENGINE_TRACERS)
+
+typedef struct measuring {
+    const kdr_bench_scene *scene;
+    const kdr_bench_options *options;
+    kdr_bench_engine engines[ENGINE_LIMIT]; /* kdray's is the first */
+    uint32_t engine_count;
+    bool timed[ENGINE_LIMIT]; /* some tracer of the engine is asked for */
+    uint32_t row_engine[KDR_BENCH_ROW_LIMIT];
+    const kdr_bench_tracer *row_tracer[KDR_BENCH_ROW_LIMIT];
+    kdr_bench_row *rows;
+    uint32_t row_count;
+    kdr_bench_workload workload;
+    kdr_bench_sheet sheet;
+    double *build_seconds; /* [engine][round] */
+    double *trace_seconds; /* [row][kind][round] */
+    kdr_bench_progress_fn *progress;
+    void *progress_user;
+    uint64_t finished, total;
+} measuring;
+
+static double seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
+}
+
+static void tell(measuring *m, const char *what) {
+    m->finished++;
+    if (m->progress)
+        m->progress(what, m->finished, m->total, m->progress_user);
+}
+
+/* ---- names */
+
+static const struct engine_names {
+    const char *engine;
+    const char *tracers[KDR_BENCH_ENGINE_TRACERS];
+} names[ENGINE_LIMIT] = {
+    {"kdray", {"stream", "single"}},
+    {"embree/low", {"packet", "single"}},
+    {"embree/medium", {"packet", "single"}},
+    {"embree/high", {"packet", "single"}},
+};
+
+static void join_names(const char *engine, const char *tracer, char out[KDR_BENCH_NAME_SIZE]) {
+    snprintf(out, KDR_BENCH_NAME_SIZE, "%s/%s", engine, tracer);
+}
+
+static bool begins(const char *name, const char *beginning) { return strncmp(name, beginning, strlen(beginning)) == 0; }
+
+static bool asked_for(const kdr_bench_options *options, const char *tracer) {
+    for (uint32_t i = 0; i < options->only_count; i++)
+        if (begins(tracer, options->only[i]))
+            return true;
+    return options->only_count == 0;
+}
+
+bool kdr_bench_wanted(const kdr_bench_options *options, const char *beginning) {
+    for (uint32_t i = 0; i < ENGINE_LIMIT; i++) {
+        for (uint32_t k = 0; k < KDR_BENCH_ENGINE_TRACERS; k++) {
+            char name[KDR_BENCH_NAME_SIZE];
+            join_names(names[i].engine, names[i].tracers[k], name);
+            if (begins(name, beginning) && asked_for(options, name))
+                return true;
+        }
+    }
+    return false;
+}
+
+bool kdr_bench_known(const char *beginning) { return kdr_bench_wanted(&(kdr_bench_options){0}, beginning); }
+
+/* ---- engines and rows */
+
+/* Takes the engine just opened in; builds it for the first time; makes a row for each of its tracers that is asked for.
+ */
+static bool take_engine(measuring *m) {
+    uint32_t number = m->engine_count++;
+    kdr_bench_engine *engine = &m->engines[number];
+    double begin = seconds();
+    if (!engine->build(engine))
+        return false;
+    double cold = seconds() - begin;
+    double triangles = (double)m->scene->mesh->triangle_count;
+    for (uint32_t i = 0; i < KDR_BENCH_ENGINE_TRACERS; i++) {
+        char name[KDR_BENCH_NAME_SIZE];
+        join_names(engine->name, engine->tracers[i].name, name);
+        if (!asked_for(m->options, name))
+            continue;
+        m->timed[number] = true;
+        m->row_engine[m->row_count] = number;
+        m->row_tracer[m->row_count] = &engine->tracers[i];
+        kdr_bench_row *row = &m->rows[m->row_count++];
+        *row = (kdr_bench_row){.threads = kdr_device_worker_count(m->scene->device),
+                               .triangles = m->scene->mesh->triangle_count,
+                               .build_cold_ms = cold * 1e3,
+                               .bytes_per_triangle = engine->bytes(engine) / triangles};
+        memcpy(row->scene, m->scene->name, sizeof row->scene);
+        memcpy(row->tracer, name, sizeof row->tracer);
+    }
+    tell(m, engine->name);
+    return true;
+}
+
+static bool open_engines(measuring *m, bool with_embree, const kdr_logger *logger) {
+    /* kdray is always there: its hits say where the secondary rays begin */
+    if (!kdr_bench_kdray_open(m->scene, &m->options->build, logger, &m->engines[0]) || !take_engine(m) ||
+        !kdr_bench_workload_make(m->scene, kdr_bench_kdray_scene(&m->engines[0]), logger, &m->workload))
+        return false;
+
+    for (uint32_t i = 1; with_embree && i < ENGINE_LIMIT; i++) {
+        if (!kdr_bench_wanted(m->options, names[i].engine))
+            continue;
+        kdr_bench_engine *engine = &m->engines[m->engine_count];
+        if (!kdr_bench_embree_open(m->scene, names[i].engine, logger, engine) || !take_engine(m))
+            return false;
+    }
+    return true;
+}
+
+/* ---- one step: build, or trace one kind of rays */
+
+static bool time_build(measuring *m, uint32_t number, uint32_t round) {
+    if (!m->timed[number])
+        return true;
+    kdr_bench_engine *engine = &m->engines[number];
+    double begin = seconds();
+    if (!engine->build(engine))
+        return false;
+    m->build_seconds[number * m->options->rounds + round] = seconds() - begin;
+    tell(m, engine->name);
+    return true;
+}
+
+typedef struct trace_call {
+    const kdr_bench_engine *engine;
+    const kdr_bench_tracer *tracer;
+    const kdr_bench_rays *rays;
+    kdr_bench_sheet *sheet;
+} trace_call;
+
+static void fill_block(void *context, size_t begin, size_t end) {
+    const trace_call *call = context;
+    call->tracer->fill(call->engine, call->rays, begin, end, call->sheet);
+}
+
+static void trace_block(void *context, size_t begin, size_t end) {
+    const trace_call *call = context;
+    call->tracer->trace(call->engine, call->rays, begin, end, call->sheet);
+}
+
+static void time_trace(measuring *m, uint32_t row, kdr_bench_kind kind, uint32_t round) {
+    trace_call call = {&m->engines[m->row_engine[row]], m->row_tracer[row], &m->workload.kinds[kind], &m->sheet};
+    size_t count = call.rays->count;
+    kdr_bench_run(m->scene, count, fill_block, &call);
+    double begin = seconds();
+    kdr_bench_run(m->scene, count, trace_block, &call);
+    m->trace_seconds[(row * KDR_BENCH_KINDS + kind) * m->options->rounds + round] = seconds() - begin;
+    if (round == 0)
+        m->rows[row].hits[kind] = call.tracer->count(call.engine, call.rays, 0, count, call.sheet);
+    tell(m, m->rows[row].tracer);
+}
+
+/* The i-th of `count` in the order of a round. */
+static uint32_t turn(uint32_t i, uint32_t count, uint32_t round) { return round % 2 ? count - 1 - i : i; }
+
+static bool run_round(measuring *m, uint32_t round) {
+    for (uint32_t i = 0; i < m->engine_count; i++)
+        if (!time_build(m, turn(i, m->engine_count, round), round))
+            return false;
+    for (int kind = 0; kind < KDR_BENCH_KINDS; kind++)
+        for (uint32_t i = 0; i < m->row_count; i++)
+            time_trace(m, turn(i, m->row_count, round), (kdr_bench_kind)kind, round);
+    return true;
+}
+
+/* ---- the whole */
+
+static void make_room(measuring *m) {
+    size_t longest = 0;
+    for (int kind = 0; kind < KDR_BENCH_KINDS; kind++)
+        longest = m->workload.kinds[kind].count > longest ? m->workload.kinds[kind].count : longest;
+    size_t room = (longest / KDR_BENCH_BLOCK + 1) * KDR_BENCH_BLOCK;
+    m->sheet.rays = kdr_memory_get(room, KDR_BENCH_SHEET_BYTES);
+    m->sheet.occluded = kdr_memory_get(room, 1);
+    m->build_seconds = kdr_memory_get(m->options->rounds, ENGINE_LIMIT * sizeof(double));
+    m->trace_seconds = kdr_memory_get(m->options->rounds, KDR_BENCH_ROW_LIMIT * KDR_BENCH_KINDS * sizeof(double));
+}
+
+static void take_medians(measuring *m) {
+    uint32_t rounds = m->options->rounds;
+    double build[ENGINE_LIMIT] = {0};
+    for (uint32_t i = 0; i < m->engine_count; i++)
+        if (m->timed[i])
+            build[i] = kdr_bench_median(m->build_seconds + i * rounds, rounds);
+    for (uint32_t i = 0; i < m->row_count; i++) {
+        kdr_bench_row *row = &m->rows[i];
+        double trace[KDR_BENCH_KINDS];
+        for (int kind = 0; kind < KDR_BENCH_KINDS; kind++) {
+            size_t count = m->workload.kinds[kind].count;
+            trace[kind] = kdr_bench_median(m->trace_seconds + (i * KDR_BENCH_KINDS + (uint32_t)kind) * rounds, rounds);
+            row->speed[kind] = count > 0 ? (double)count / trace[kind] * 1e-6 : 0;
+        }
+        row->build_ms = build[m->row_engine[i]] * 1e3;
+        row->image_ms = row->build_ms + (trace[KDR_BENCH_PRIMARY] + trace[KDR_BENCH_SHADOW]) * 1e3;
+    }
+}
+
+bool kdr_bench_measure(const kdr_bench_scene *scene, const kdr_bench_options *options, bool with_embree,
+                       const kdr_logger *logger, kdr_bench_progress_fn *progress, void *progress_user,
+                       kdr_bench_row rows[KDR_BENCH_ROW_LIMIT], uint32_t *row_count) {
+    measuring *m = kdr_memory_get(1, sizeof *m);
+    *m = (measuring){
+        .scene = scene, .options = options, .rows = rows, .progress = progress, .progress_user = progress_user};
+    bool good = open_engines(m, with_embree, logger);
+    if (good) {
+        make_room(m);
+        uint32_t timed = 0;
+        for (uint32_t i = 0; i < m->engine_count; i++)
+            timed += m->timed[i];
+        m->total = m->finished + (uint64_t)options->rounds * (timed + m->row_count * KDR_BENCH_KINDS);
+        for (uint32_t round = 0; good && round < options->rounds; round++)
+            good = run_round(m, round);
+        if (good)
+            take_medians(m);
+    }
+    *row_count = good ? m->row_count : 0;
+
+    for (uint32_t i = 0; i < m->engine_count; i++)
+        m->engines[i].close(&m->engines[i]);
+    kdr_bench_workload_release(&m->workload);
+    kdr_memory_release(m->sheet.rays);
+    kdr_memory_release(m->sheet.occluded);
+    kdr_memory_release(m->build_seconds);
+    kdr_memory_release(m->trace_seconds);
+    kdr_memory_release(m);
+    return good;
+}

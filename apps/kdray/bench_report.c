@@ -1,0 +1,235 @@
+/* Medians, and rows as tables for people, as CSV and as JSON. */
+#include "bench.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#define REFERENCE "embree/medium/packet"
+
+static int compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double kdr_bench_median(double *values, uint32_t count) {
+    qsort(values, count, sizeof *values, compare);
+    uint32_t half = count / 2;
+    return count % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+/* ---- for people */
+
+/* A number in a column, or a dash where there is none. */
+static void print_cell(FILE *out, int width, int digits, const char *unit, double value) {
+    if (value > 0 && isfinite(value))
+        fprintf(out, "  %*.*f%s", width - (int)strlen(unit), digits, value, unit);
+    else
+        fprintf(out, "  %*s", width, "-");
+}
+
+static void print_figures(FILE *out, const kdr_bench_row *rows, uint32_t row_count) {
+    fprintf(out, "%-20s  %8s  %8s  %8s  %8s  %8s  %8s  %8s  %8s\n", "", "build", "cold", "primary", "shadow", "ao",
+            "diffuse", "image", "bytes");
+    fprintf(out, "%-20s  %8s  %8s  %8s  %8s  %8s  %8s  %8s  %8s\n", "tracer", "ms", "ms", "Mray/s", "Mray/s", "Mray/s",
+            "Mray/s", "ms", "/triangle");
+    for (uint32_t i = 0; i < row_count; i++) {
+        fprintf(out, "%-20s", rows[i].tracer);
+        print_cell(out, 8, 2, "", rows[i].build_ms);
+        print_cell(out, 8, 2, "", rows[i].build_cold_ms);
+        for (int kind = 0; kind < KDR_BENCH_KINDS; kind++)
+            print_cell(out, 8, 2, "", rows[i].speed[kind]);
+        print_cell(out, 8, 2, "", rows[i].image_ms);
+        print_cell(out, 9, 1, "", rows[i].bytes_per_triangle);
+        fputc('\n', out);
+    }
+}
+
+static const kdr_bench_row *reference_of(const kdr_bench_row *rows, uint32_t row_count) {
+    for (uint32_t i = 0; i < row_count; i++)
+        if (strcmp(rows[i].tracer, REFERENCE) == 0)
+            return &rows[i];
+    return rows;
+}
+
+static void print_ratios(FILE *out, const kdr_bench_row *rows, uint32_t row_count) {
+    const kdr_bench_row *reference = reference_of(rows, row_count);
+    fprintf(out, "\ntimes as fast as %s\n", reference->tracer);
+    for (uint32_t i = 0; i < row_count; i++) {
+        fprintf(out, "%-20s", rows[i].tracer);
+        print_cell(out, 8, 2, "x", reference->build_ms / rows[i].build_ms);
+        print_cell(out, 8, 2, "x", reference->build_cold_ms / rows[i].build_cold_ms);
+        for (int kind = 0; kind < KDR_BENCH_KINDS; kind++)
+            print_cell(out, 8, 2, "x", rows[i].speed[kind] / reference->speed[kind]);
+        print_cell(out, 8, 2, "x", reference->image_ms / rows[i].image_ms);
+        fputc('\n', out);
+    }
+}
+
+static void print_differences(FILE *out, const kdr_bench_row *rows, uint32_t row_count) {
+    bool first = true;
+    for (uint32_t i = 1; i < row_count; i++) {
+        for (int kind = 0; kind < KDR_BENCH_KINDS; kind++) {
+            if (rows[i].hits[kind] == rows[0].hits[kind])
+                continue;
+            fprintf(out, "%s%s: %+" PRId64 " of %" PRIu64 " %s rays that hit, against %s\n", first ? "\n" : "",
+                    rows[i].tracer, (int64_t)(rows[i].hits[kind] - rows[0].hits[kind]), rows[0].hits[kind],
+                    kdr_bench_kind_name((kdr_bench_kind)kind), rows[0].tracer);
+            first = false;
+        }
+    }
+}
+
+void kdr_bench_print(FILE *out, const kdr_bench_row *rows, uint32_t row_count) {
+    print_figures(out, rows, row_count);
+    if (row_count > 1)
+        print_ratios(out, rows, row_count);
+    print_differences(out, rows, row_count);
+    fputc('\n', out);
+}
+
+/* ---- for programs */
+
+/* In quotes where commas, quotes or ends of lines ask for it. */
+static void write_csv_text(FILE *out, const char *text) {
+    if (!strpbrk(text, ",\"\r\n#")) {
+        fputs(text, out);
+        return;
+    }
+    fputc('"', out);
+    for (; *text; text++) {
+        if (*text == '"')
+            fputc('"', out);
+        fputc(*text, out);
+    }
+    fputc('"', out);
+}
+
+static void write_json_text(FILE *out, const char *text) {
+    fputc('"', out);
+    for (; *text; text++) {
+        unsigned char c = (unsigned char)*text;
+        if (c == '"' || c == '\\')
+            fprintf(out, "\\%c", c);
+        else if (c < ' ')
+            fprintf(out, "\\u%04x", c);
+        else
+            fputc(c, out);
+    }
+    fputc('"', out);
+}
+
+typedef struct figure {
+    const char *name;
+    double value;
+    bool missing;
+} figure;
+
+#define FIGURES 14
+
+/* The figures of a row in the order of the columns. */
+static void list_figures(const kdr_bench_row *row, figure figures[FIGURES]) {
+    const double *speed = row->speed;
+    figure list[FIGURES] = {
+        {"threads", row->threads, false},
+        {"triangles", (double)row->triangles, false},
+        {"build_ms", row->build_ms, false},
+        {"build_cold_ms", row->build_cold_ms, false},
+        {"primary", speed[KDR_BENCH_PRIMARY], speed[KDR_BENCH_PRIMARY] == 0},
+        {"shadow", speed[KDR_BENCH_SHADOW], speed[KDR_BENCH_SHADOW] == 0},
+        {"ao", speed[KDR_BENCH_AO], speed[KDR_BENCH_AO] == 0},
+        {"diffuse", speed[KDR_BENCH_DIFFUSE], speed[KDR_BENCH_DIFFUSE] == 0},
+        {"image_ms", row->image_ms, false},
+        {"bytes_per_triangle", row->bytes_per_triangle, false},
+        {"hits", (double)row->hits[KDR_BENCH_PRIMARY], false},
+        {"occluded", (double)row->hits[KDR_BENCH_SHADOW], false},
+        {"ao_occluded", (double)row->hits[KDR_BENCH_AO], false},
+        {"diffuse_hits", (double)row->hits[KDR_BENCH_DIFFUSE], false},
+    };
+    memcpy(figures, list, sizeof list);
+}
+
+/* A whole number as such, others with as many digits as mean something. */
+static void write_number(FILE *out, double value) {
+    if (value == floor(value) && fabs(value) < 1e15)
+        fprintf(out, "%.0f", value);
+    else
+        fprintf(out, "%.6g", value);
+}
+
+/* The processor's name as the system gives it. */
+static void write_machine(FILE *out) {
+    char line[256] = "";
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    while (file && fgets(line, sizeof line, file))
+        if (strncmp(line, "model name", 10) == 0)
+            break;
+        else
+            line[0] = 0;
+    if (file)
+        fclose(file);
+    const char *name = strchr(line, ':');
+    line[strcspn(line, "\n")] = 0;
+    fprintf(out, "# machine: %s, %ld processors\n", name ? name + 2 : "unknown", sysconf(_SC_NPROCESSORS_ONLN));
+}
+
+void kdr_bench_write_csv(FILE *out, const kdr_bench_run_info *info, const kdr_bench_row *rows, size_t row_count) {
+    char date[32] = "";
+    time_t now = time(NULL);
+    struct tm parts;
+    if (gmtime_r(&now, &parts))
+        strftime(date, sizeof date, "%Y-%m-%d", &parts);
+    fprintf(out, "# kdray bench: %" PRIu32 "x%" PRIu32 " pixels, %" PRIu32 " threads, medians of %" PRIu32 " rounds\n",
+            info->width, info->height, info->threads, info->rounds);
+    write_machine(out);
+    fprintf(out, "# instruction set: %s\n# kdray: %s\n# Embree: %s\n", kdr_isa_name(info->isa), kdr_version(),
+            info->embree ? info->embree : "none");
+    fprintf(out,
+            "# build: traversal cost %g, intersection cost %g, leaf limit %" PRIu32 ", depth limit %" PRIu32
+            ", reference limit %g\n",
+            info->build.cost_traversal, info->build.cost_intersection, info->build.leaf_limit, info->build.depth_limit,
+            info->build.reference_limit);
+    fprintf(out, "# date: %s\n# primary, shadow, ao, diffuse: million rays a second\n", date);
+
+    figure figures[FIGURES];
+    list_figures(&(kdr_bench_row){0}, figures);
+    fputs("scene,tracer", out);
+    for (int i = 0; i < FIGURES; i++)
+        fprintf(out, ",%s", figures[i].name);
+    fputc('\n', out);
+
+    for (size_t i = 0; i < row_count; i++) {
+        list_figures(&rows[i], figures);
+        write_csv_text(out, rows[i].scene);
+        fprintf(out, ",%s", rows[i].tracer);
+        for (int k = 0; k < FIGURES; k++) {
+            fputc(',', out);
+            if (!figures[k].missing)
+                write_number(out, figures[k].value);
+        }
+        fputc('\n', out);
+    }
+}
+
+void kdr_bench_write_json(FILE *out, const kdr_bench_row *rows, size_t row_count) {
+    fputc('[', out);
+    for (size_t i = 0; i < row_count; i++) {
+        figure figures[FIGURES];
+        list_figures(&rows[i], figures);
+        fprintf(out, "%s\n  {\"scene\": ", i > 0 ? "," : "");
+        write_json_text(out, rows[i].scene);
+        fprintf(out, ", \"tracer\": \"%s\"", rows[i].tracer);
+        for (int k = 0; k < FIGURES; k++) {
+            fprintf(out, ", \"%s\": ", figures[k].name);
+            if (figures[k].missing)
+                fputs("null", out);
+            else
+                write_number(out, figures[k].value);
+        }
+        fputc('}', out);
+    }
+    fputs(row_count > 0 ? "\n]\n" : "]\n", out);
+}
