@@ -84,7 +84,7 @@ holds "a wrong KDR_ISA is refused" exits 1 'KDR_ISA'
 
 # Files that cannot be written are found before the work: a mesh that is not there is not even looked for.
 mkdir folder
-for name in folder none/x.png junk.ply/x.png folder/ '' "$(printf 'n%.0s' {1..300}).png"; do
+for name in folder none/x.png /proc/x.png junk.ply/x.png folder/ '' "$(printf 'n%.0s' {1..300}).png"; do
     fails 'cannot be written' render none.ply -o "$name"
     fails 'cannot be written' render none.ply -o x.png --json "$name"
     fails 'cannot be written' info none.ply --json "$name"
@@ -93,6 +93,7 @@ if ((EUID != 0)); then
     chmod a-w folder
     fails 'cannot be written: Permission denied' render none.ply -o folder/x.png
 fi
+holds "looking for what can be written leaves nothing" is "$(ls -A folder; ls -A | grep kdray-)" ""
 cp junk.ply same.ply
 fails 'would replace the mesh file' render same.ply -o same.ply
 fails 'would replace the mesh file' info same.ply --json same.ply
