@@ -30,13 +30,13 @@ KDR_LANES_INLINE void wide_visit_begin(const kdr_wide_node *node, const float_ra
     }
     uint32_t met = 0;
     for (uint32_t i = 0; i < KDR_WIDE; i += KDR_LANES) {
-        kdr_lanes_f enter = kdr_lanes_all(r->tmin + r->slack), leave = kdr_lanes_all(tmax - r->slack);
+        kdr_lanes_f enter = kdr_lanes_all(-INFINITY), leave = kdr_lanes_all(INFINITY);
         for (int k = 0; k < 3; k++) {
             enter = kdr_lanes_max((kdr_lanes_load(near[k] + i) - r->origin[k]) * r->reciprocal[k], enter);
             leave = kdr_lanes_min((kdr_lanes_load(far[k] + i) - r->origin[k]) * r->reciprocal[k], leave);
         }
-        enter -= r->slack;
-        leave += r->slack;
+        enter = kdr_lanes_max(enter - r->slack, kdr_lanes_all(r->tmin));
+        leave = kdr_lanes_min(leave + r->slack, kdr_lanes_all(tmax));
         kdr_lanes_store(visit->enter + i, enter);
         met |= (KDR_LANE_BITS_ALL & ~kdr_lanes_less(leave, enter)) << i;
     }
