@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { SCENES = 0x100, QUIET };
+enum { SCENES = 0x100 };
 
 typedef struct info_options {
     const char *file;
@@ -19,7 +19,7 @@ typedef struct info_options {
 
 static const struct argp_option option_list[] = {
     {"scenes", SCENES, NULL, 0, "List the built-in scenes", 1},
-    {"quiet", QUIET, NULL, 0, "No warnings and no progress", 10},
+    {"quiet", 'q', NULL, 0, "No warnings and no progress", 10},
     {0},
 };
 
@@ -33,7 +33,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     switch (key) {
     case ARGP_KEY_INIT: state->child_inputs[0] = &options->tree; break;
     case SCENES: options->scenes = true; break;
-    case QUIET: options->quiet = true; break;
+    case 'q': options->quiet = true; break;
     case ARGP_KEY_ARG:
         if (options->file)
             argp_error(state, "expected one mesh file, found \"%.40s\" as well", text);

@@ -1,5 +1,6 @@
 /* The program kdray: finds the command and runs it. */
 #include "command.h"
+#include "signals.h"
 
 #include <argp.h>
 #include <errno.h>
@@ -66,6 +67,7 @@ static void finish_stdout(void) {
 
 int main(int argc, char **argv) {
     fill_standard_files();
+    kdr_signals_prepare();
     atexit(finish_stdout);
     argp_err_exit_status = KDR_EXIT_USAGE;
     argp_program_version_hook = print_version;

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -21,6 +22,26 @@ static bool directory_of(const char *path, char directory[PATH_MAX]) {
 static bool refuse(const char *path, int number, kdr_messages *messages) {
     kdr_messages_fail(messages, "%s cannot be written: %s", *path ? path : "a file without a name", strerror(number));
     return false;
+}
+
+/* Makes a file in a directory and removes it again: permissions alone do not tell, least of all for root. No signal may
+ * come between. 0, or an error number. */
+static int try_directory(const char *directory) {
+    char name[PATH_MAX];
+    int length = snprintf(name, sizeof(name), "%s.kdray-%ld.try", directory, (long)getpid());
+    if (length < 0 || (size_t)length >= sizeof(name))
+        return ENAMETOOLONG;
+    sigset_t all, before;
+    sigfillset(&all);
+    sigprocmask(SIG_SETMASK, &all, &before);
+    int file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    int number = file < 0 ? errno : 0;
+    if (file >= 0) {
+        close(file);
+        unlink(name);
+    }
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    return number;
 }
 
 bool kdr_output_check(const char *path, kdr_messages *messages) {
@@ -46,8 +67,9 @@ bool kdr_output_check(const char *path, kdr_messages *messages) {
     // A new file takes the name at the end, so the directory must let one be made.
     if (!directory_of(own, directory))
         return refuse(path, ENAMETOOLONG, messages);
-    if (access(*directory ? directory : ".", W_OK | X_OK) != 0)
-        return refuse(path, errno, messages);
+    int number = try_directory(directory);
+    if (number != 0)
+        return refuse(path, number, messages);
     return true;
 }
 

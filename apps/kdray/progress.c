@@ -61,7 +61,7 @@ static void draw(kdr_progress *progress, const char *line, int before, int bar) 
     bar = before + bar < columns ? bar : columns - before;
 
     fputc('\r', stderr);
-    if (progress->colour)
+    if (progress->colour && bar > 0)
         fprintf(stderr, "%.*s\033[32m%.*s\033[0m%.*s", before, line, bar, line + before, columns - before - bar,
                 line + before + bar);
     else

@@ -8,7 +8,7 @@
 #define SAMPLE_LIMIT 65536u
 #define DEFAULT_THRESHOLD 2.0
 
-enum { CAMERA = 0x100, TARGET, UP, FOV, VIEW, LIGHT, BOX, TEXTURE, SPP, SEED, STATS, COMPARE, THRESHOLD, QUIET };
+enum { CAMERA = 0x100, TARGET, UP, FOV, VIEW, LIGHT, BOX, TEXTURE, SPP, SEED, STATS, COMPARE, THRESHOLD };
 
 static const struct argp_option options[] = {
     {NULL, 0, NULL, 0, "Picture:", 1},
@@ -30,7 +30,7 @@ static const struct argp_option options[] = {
      "Print the root mean square difference from this PNG file, 0 to 255; exit with 1 if it is above the threshold", 3},
     {"threshold", THRESHOLD, "D", 0, "Largest difference that passes (default: 2)", 3},
     {"stats", STATS, NULL, 0, "Print every figure", 10},
-    {"quiet", QUIET, NULL, 0, "Say nothing but errors and what was asked for", 10},
+    {"quiet", 'q', NULL, 0, "Say nothing but errors and what was asked for", 10},
     {0},
 };
 
@@ -99,7 +99,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case COMPARE: render->compare = text; break;
     case THRESHOLD: render->threshold = kdr_option_between(state, "--threshold", text, 0, 255); break;
     case STATS: render->stats = true; break;
-    case QUIET: render->quiet = true; break;
+    case 'q': render->quiet = true; break;
     case ARGP_KEY_ARG:
         if (render->file)
             argp_error(state, "expected one mesh file, found \"%.40s\" as well", text);

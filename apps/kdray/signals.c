@@ -30,6 +30,13 @@ static void take_signal(int number) {
     _exit(KDR_EXIT_FAILED);
 }
 
+void kdr_signals_prepare(void) {
+    struct sigaction ignore = {.sa_handler = SIG_IGN};
+    sigemptyset(&ignore.sa_mask);
+    sigaction(SIGPIPE, &ignore, NULL);
+    sigaction(SIGXFSZ, &ignore, NULL);
+}
+
 void kdr_signals_watch(const char *command) {
     command_name = command;
     // Without SA_RESTART, so that opening a pipe nobody reads ends too. Also where a shell has made background jobs
@@ -38,9 +45,6 @@ void kdr_signals_watch(const char *command) {
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
-    struct sigaction ignore = {.sa_handler = SIG_IGN};
-    sigemptyset(&ignore.sa_mask);
-    sigaction(SIGPIPE, &ignore, NULL);
 }
 
 void kdr_signals_defer(void) { atomic_store(&deferred, true); }

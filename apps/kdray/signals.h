@@ -4,8 +4,11 @@
 
 #include <stdbool.h>
 
+/* Makes a closed pipe, and a file beyond the allowed size, errors of the write that finds them. */
+void kdr_signals_prepare(void);
+
 /* From here on a signal ends the program at once, after the line "COMMAND: cancelled". Right while there is nothing to
- * undo. A closed pipe becomes an error of the write, not a signal. command: static storage. */
+ * undo. command: static storage. */
 void kdr_signals_watch(const char *command);
 
 /* From here on a signal is only remembered: whoever works asks kdr_signals_cancelled and undoes what it did. */
