@@ -115,8 +115,9 @@ const kdr_scene *kdr_bench_kdray_scene(const kdr_bench_engine *engine);
  * libembree3.so.3. Its version, such as "3.13.5"; NULL, and a sentence in *why, without it. */
 const char *kdr_bench_embree_version(const char **why);
 
-/* Embree with the quality that ends the name, "embree/low", "embree/medium" or "embree/high", as many threads as the scene's device has workers, and no wider
- * instructions than the device uses. False after a sentence to the logger. Only after kdr_bench_embree_version. */
+/* Embree with the quality that ends the name ("embree/low", "embree/medium", "embree/high"), as many threads as the
+ * scene's device has workers, and no wider instructions than the device uses. False after a sentence to the logger.
+ * Only after kdr_bench_embree_version has found it. */
 bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *name, const kdr_logger *logger,
                            kdr_bench_engine *out);
 
@@ -175,8 +176,8 @@ typedef struct kdr_bench_run_info {
     const char *embree; /* its version; NULL: none */
 } kdr_bench_run_info;
 
-/* Two tables for people: the figures of one scene's rows, and how many times as fast they are as embree/medium/packet, or
- * as the first row where that is missing. Then the counts of hits in which tracers differ from the first row. */
+/* Two tables for people: the figures of one scene's rows, and how many times as fast they are as embree/medium/packet,
+ * or as the first row where that is missing. Then the counts of hits in which tracers differ from the first row. */
 void kdr_bench_print(FILE *out, const kdr_bench_row *rows, uint32_t row_count);
 
 /* Comment lines that say what was run and on what, a line of names, a line a row. */

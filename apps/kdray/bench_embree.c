@@ -1,8 +1,9 @@
 /* Embree as an engine: packets as wide as the machine takes ("packet"), or ray after ray ("single").
  *
- * The library is looked for when the program runs, so that kdray neither links nor needs it; its types come from its header,
- * where the compiler found one. It gets what serves it best: triangles at the quality asked for, in scene and geometry
- * alike, the fast triangle test, the coherent flag for coherent rays, and denormals flushed to zero while it runs. */
+ * The library is looked for when the program runs, so that kdray neither links nor needs it; its types come from its
+ * header, where the compiler found one. It gets what serves it best: triangles at the quality asked for, in scene and
+ * geometry alike, the fast triangle test, the coherent flag for coherent rays, and denormals flushed to zero while it
+ * runs. */
 #include "bench.h"
 #include "memory.h"
 
@@ -19,12 +20,31 @@
 
 /* ---- the library */
 
-#define FUNCTIONS(X)                                                                                                  \
-    X(rtcNewDevice) X(rtcReleaseDevice) X(rtcGetDeviceProperty) X(rtcGetDeviceError) X(rtcSetDeviceMemoryMonitorFunction) \
-    X(rtcNewScene) X(rtcReleaseScene) X(rtcSetSceneBuildQuality) X(rtcAttachGeometry) X(rtcCommitScene)               \
-    X(rtcNewGeometry) X(rtcReleaseGeometry) X(rtcSetGeometryBuildQuality) X(rtcSetSharedGeometryBuffer)              \
-    X(rtcUpdateGeometryBuffer) X(rtcCommitGeometry) X(rtcIntersect1) X(rtcIntersect4) X(rtcIntersect8)               \
-    X(rtcIntersect16) X(rtcOccluded1) X(rtcOccluded4) X(rtcOccluded8) X(rtcOccluded16)
+#define FUNCTIONS(X)                                                                                                   \
+    X(rtcNewDevice)                                                                                                    \
+    X(rtcReleaseDevice)                                                                                                \
+    X(rtcGetDeviceProperty)                                                                                            \
+    X(rtcGetDeviceError)                                                                                               \
+    X(rtcSetDeviceMemoryMonitorFunction)                                                                               \
+    X(rtcNewScene)                                                                                                     \
+    X(rtcReleaseScene)                                                                                                 \
+    X(rtcSetSceneBuildQuality)                                                                                         \
+    X(rtcAttachGeometry)                                                                                               \
+    X(rtcCommitScene)                                                                                                  \
+    X(rtcNewGeometry)                                                                                                  \
+    X(rtcReleaseGeometry)                                                                                              \
+    X(rtcSetGeometryBuildQuality)                                                                                      \
+    X(rtcSetSharedGeometryBuffer)                                                                                      \
+    X(rtcUpdateGeometryBuffer)                                                                                         \
+    X(rtcCommitGeometry)                                                                                               \
+    X(rtcIntersect1)                                                                                                   \
+    X(rtcIntersect4)                                                                                                   \
+    X(rtcIntersect8)                                                                                                   \
+    X(rtcIntersect16)                                                                                                  \
+    X(rtcOccluded1)                                                                                                    \
+    X(rtcOccluded4)                                                                                                    \
+    X(rtcOccluded8)                                                                                                    \
+    X(rtcOccluded16)
 
 static struct {
 #define FUNCTION_POINTER(name) __typeof__(&name) name;
@@ -41,9 +61,9 @@ static bool load(const char **why) {
     }
     bool whole = true;
     void *symbol;
-#define FUNCTION_LOOK_UP(name)                                                                                        \
-    symbol = dlsym(library, #name);                                                                                   \
-    whole = whole && symbol;                                                                                          \
+#define FUNCTION_LOOK_UP(name)                                                                                         \
+    symbol = dlsym(library, #name);                                                                                    \
+    whole = whole && symbol;                                                                                           \
     memcpy(&embree.name, &symbol, sizeof symbol);
     FUNCTIONS(FUNCTION_LOOK_UP)
 #undef FUNCTION_LOOK_UP
@@ -77,17 +97,20 @@ typedef struct embree_state {
     RTCDevice device;
     RTCScene scene;
     RTCGeometry geometry;
-    float *vertices;      /* the mesh's, with room behind the last for loads of 16 bytes */
-    _Atomic int64_t bytes; /* what the device holds */
-    uint32_t width;       /* rays in a packet: 4, 8 or 16 */
+    float *vertices; /* the mesh's, with room behind the last for loads of 16 bytes */
+    int64_t bytes;   /* taken by all builds less what they gave back */
+    uint32_t width;  /* rays in a packet: 4, 8 or 16 */
 } embree_state;
 
 static embree_state *state_of(const kdr_bench_engine *engine) { return engine->state; }
 
+/* What all devices hold together. One engine builds at a time, so its share is a difference. */
+static _Atomic int64_t held_bytes;
+
 static bool count_bytes(void *user, ssize_t bytes, bool post) {
+    (void)user;
     (void)post;
-    embree_state *state = user;
-    atomic_fetch_add_explicit(&state->bytes, bytes, memory_order_relaxed);
+    atomic_fetch_add_explicit(&held_bytes, bytes, memory_order_relaxed);
     return true;
 }
 
@@ -258,16 +281,18 @@ static void trace_packet(const kdr_bench_engine *engine, const kdr_bench_rays *r
 /* ---- building */
 
 static bool build(kdr_bench_engine *engine) {
-    const embree_state *state = state_of(engine);
+    embree_state *state = state_of(engine);
+    int64_t held = atomic_load(&held_bytes);
     uint32_t before = flush_denormals();
     embree.rtcUpdateGeometryBuffer(state->geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     embree.rtcCommitGeometry(state->geometry);
     embree.rtcCommitScene(state->scene);
     restore_denormals(before);
+    state->bytes += atomic_load(&held_bytes) - held;
     return succeeded(engine);
 }
 
-static double bytes(const kdr_bench_engine *engine) { return (double)atomic_load(&state_of(engine)->bytes); }
+static double bytes(const kdr_bench_engine *engine) { return (double)state_of(engine)->bytes; }
 
 static void close_engine(kdr_bench_engine *engine) {
     embree_state *state = state_of(engine);
@@ -283,8 +308,11 @@ static void close_engine(kdr_bench_engine *engine) {
 }
 
 static RTCDevice new_device(const kdr_bench_scene *scene) {
-    static const char *const limits[] = {[KDR_ISA_SCALAR] = ",isa=sse2", [KDR_ISA_SSE42] = ",isa=sse4.2",
-                                         [KDR_ISA_AVX2] = ",isa=avx2", [KDR_ISA_AVX512] = "", [KDR_ISA_NEON] = ""};
+    static const char *const limits[] = {[KDR_ISA_SCALAR] = ",isa=sse2",
+                                         [KDR_ISA_SSE42] = ",isa=sse4.2",
+                                         [KDR_ISA_AVX2] = ",isa=avx2",
+                                         [KDR_ISA_AVX512] = "",
+                                         [KDR_ISA_NEON] = ""};
     uint32_t threads = kdr_device_worker_count(scene->device);
     char config[64];
     snprintf(config, sizeof config, "threads=%u,set_affinity=0%s", threads, limits[kdr_device_isa(scene->device)]);
@@ -326,7 +354,7 @@ bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *name, const
         close_engine(out);
         return false;
     }
-    embree.rtcSetDeviceMemoryMonitorFunction(state->device, count_bytes, state);
+    embree.rtcSetDeviceMemoryMonitorFunction(state->device, count_bytes, NULL);
     if (embree.rtcGetDeviceProperty(state->device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED))
         state->width = 16;
     else if (embree.rtcGetDeviceProperty(state->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED))

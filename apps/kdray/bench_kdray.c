@@ -85,14 +85,14 @@ bool kdr_bench_kdray_open(const kdr_bench_scene *scene, const kdr_build_def *def
                           kdr_bench_engine *out) {
     kdray_state *state = kdr_memory_get(1, sizeof *state);
     *state = (kdray_state){.build = *def};
-    *out = (kdr_bench_engine){.name = "kdray",
-                              .tracers = {{"stream", fill, trace_stream, count_hits},
-                                          {"single", fill, trace_single, count_hits}},
-                              .build = build,
-                              .bytes = bytes,
-                              .close = close_engine,
-                              .state = state,
-                              .logger = logger};
+    *out = (kdr_bench_engine){
+        .name = "kdray",
+        .tracers = {{"stream", fill, trace_stream, count_hits}, {"single", fill, trace_single, count_hits}},
+        .build = build,
+        .bytes = bytes,
+        .close = close_engine,
+        .state = state,
+        .logger = logger};
 
     kdr_triangles_def triangles = kdr_default_triangles_def();
     triangles.vertices = scene->mesh->positions;

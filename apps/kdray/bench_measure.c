@@ -1,8 +1,8 @@
 /* One run over a scene: every tracer gets the same rays, taking turns.
  *
- * A round rebuilds each engine and sends all kinds of rays through each tracer, so that whatever slows the machine for a
- * while slows all of them; every other round goes backwards, so that none always follows the same neighbour. A figure is
- * the median over the rounds. Only calls of a tracer are timed: laying out rays and counting hits are not. */
+ * A round rebuilds each engine and sends all kinds of rays through each tracer, so that whatever slows the machine for
+ * a while slows all of them; every other round goes backwards, so that none always follows the same neighbour. A figure
+ * is the median over the rounds. Only calls of a tracer are timed: laying out rays and counting hits are not. */
 #include "bench.h"
 #include "memory.h"
 
@@ -83,7 +83,7 @@ bool kdr_bench_known(const char *beginning) { return kdr_bench_wanted(&(kdr_benc
 
 /* ---- engines and rows */
 
-/* Takes the engine just opened in; builds it for the first time; makes a row for each of its tracers that is asked for. */
+/* Takes in the engine just opened: builds it for the first time and makes a row for each of its tracers asked for. */
 static bool take_engine(measuring *m) {
     uint32_t number = m->engine_count++;
     kdr_bench_engine *engine = &m->engines[number];
@@ -220,8 +220,8 @@ bool kdr_bench_measure(const kdr_bench_scene *scene, const kdr_bench_options *op
                        const kdr_logger *logger, kdr_bench_progress_fn *progress, void *progress_user,
                        kdr_bench_row rows[KDR_BENCH_ROW_LIMIT], uint32_t *row_count) {
     measuring *m = kdr_memory_get(1, sizeof *m);
-    *m = (measuring){.scene = scene, .options = options, .rows = rows, .progress = progress,
-                     .progress_user = progress_user};
+    *m = (measuring){
+        .scene = scene, .options = options, .rows = rows, .progress = progress, .progress_user = progress_user};
     bool good = open_engines(m, with_embree, logger);
     if (good) {
         make_room(m);

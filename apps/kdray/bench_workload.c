@@ -1,10 +1,10 @@
 /* The rays of the benchmark, the same floats for every tracer.
  *
- * Primary rays look through the pixels' centres of a pinhole camera, block by block of 64x64 pixels, each block as tiles of
- * 8x8. Every primary hit sends a shadow ray to the point light and four rays that are distributed by the cosine to the
- * normal. These leave the surface lifted by 1e-4 of the distance from the eye, along the normal on the eye's side: whether
- * they meet anything is then a question about the scene, not about rounding at their start. Chance depends on the pixel
- * alone, so that a run can be repeated. */
+ * Primary rays look through the pixels' centres of a pinhole camera, block by block of 64x64 pixels, each block as
+ * tiles of 8x8. Every primary hit sends a shadow ray to the point light and four rays that are distributed by the
+ * cosine to the normal. These begin above the surface, by 1e-4 of the distance from the eye along the normal on the
+ * eye's side: whether they meet anything is then a question about the scene, not about rounding at their start. Chance
+ * depends on the pixel alone, so that a run can be repeated. */
 #include "bench.h"
 #include "memory.h"
 
@@ -72,9 +72,14 @@ static bool make_unit(vector *v) {
 }
 
 static kdr_ray ray_from(vector origin, vector direction, float tmax) {
-    return (kdr_ray){.origin_x = (float)origin.x, .origin_y = (float)origin.y, .origin_z = (float)origin.z,
-                     .direction_x = (float)direction.x, .direction_y = (float)direction.y,
-                     .direction_z = (float)direction.z, .tmax = tmax, .mask = UINT32_MAX};
+    return (kdr_ray){.origin_x = (float)origin.x,
+                     .origin_y = (float)origin.y,
+                     .origin_z = (float)origin.z,
+                     .direction_x = (float)direction.x,
+                     .direction_y = (float)direction.y,
+                     .direction_z = (float)direction.z,
+                     .tmax = tmax,
+                     .mask = UINT32_MAX};
 }
 
 /* ---- primary rays */
@@ -93,7 +98,8 @@ static bool make_primary(const kdr_bench_scene *scene, kdr_ray *rays) {
 
     /* Blocks, tiles and pixels in rows from the top; what lies outside the picture is left out. */
     size_t count = 0;
-    uint32_t columns = (scene->width + BLOCK_SIDE - 1) / BLOCK_SIDE, lines = (scene->height + BLOCK_SIDE - 1) / BLOCK_SIDE;
+    uint32_t columns = (scene->width + BLOCK_SIDE - 1) / BLOCK_SIDE;
+    uint32_t lines = (scene->height + BLOCK_SIDE - 1) / BLOCK_SIDE;
     for (uint32_t block = 0; block < columns * lines; block++) {
         for (uint32_t i = 0; i < BLOCK_SIDE * BLOCK_SIDE; i++) {
             uint32_t tile = i / (TILE_SIDE * TILE_SIDE), tiles = BLOCK_SIDE / TILE_SIDE;

@@ -108,8 +108,10 @@ static void add_only(kdr_bench_options *options, const char *text, const struct 
         argp_error(state, "--only more than %u times", KDR_BENCH_ONLY_LIMIT);
     options->only[options->only_count++] = text;
     if (!kdr_bench_known(text))
-        argp_error(state, "no tracer begins with \"%s\": there are kdray/stream, kdray/single, and "
-                          "embree/low, medium, high, each /packet and /single", text);
+        argp_error(state,
+                   "no tracer begins with \"%s\": there are kdray/stream, kdray/single, and "
+                   "embree/low, medium, high, each /packet and /single",
+                   text);
 }
 
 static error_t read_option(int key, char *text, struct argp_state *state) {
@@ -210,8 +212,7 @@ static bool choose_view(const char *path, kdr_bench_scene *scene) {
     return good;
 }
 
-static bool measure_mesh(const char *path, const kdr_mesh *mesh, const bench_request *request,
-                         result_list *results) {
+static bool measure_mesh(const char *path, const kdr_mesh *mesh, const bench_request *request, result_list *results) {
     kdr_bench_scene scene = {.mesh = mesh, .width = request->width, .height = request->height};
     name_scene(path, scene.name);
     if (mesh->triangle_count == 0) {
@@ -232,8 +233,8 @@ static bool measure_mesh(const char *path, const kdr_mesh *mesh, const bench_req
     bool show = !request->quiet && isatty(STDERR_FILENO);
     kdr_bench_row rows[KDR_BENCH_ROW_LIMIT];
     uint32_t count = 0;
-    bool good = kdr_bench_measure(&scene, &request->options, results->info.embree, &logger, show ? show_progress : NULL, scene.name,
-                                  rows, &count);
+    bool good = kdr_bench_measure(&scene, &request->options, results->info.embree, &logger, show ? show_progress : NULL,
+                                  scene.name, rows, &count);
     if (good && !request->quiet) {
         printf("%s: %zu triangles, %ux%u pixels, %u threads, %s, medians of %u rounds\n\n", scene.name,
                mesh->triangle_count, scene.width, scene.height, results->info.threads, kdr_isa_name(results->info.isa),
@@ -257,15 +258,14 @@ static bool measure_file(const char *path, const bench_request *request, result_
 
 /* ---- all scenes */
 
-static bool measure_list(const char *const *paths, size_t count, const bench_request *request,
-                         result_list *results) {
+static bool measure_list(const char *const *paths, size_t count, const bench_request *request, result_list *results) {
     bool good = true;
     for (size_t i = 0; i < count; i++)
         good = measure_file(paths[i], request, results) && good;
     return good;
 }
 
-/* The pattern of all .ply files in a folder; characters of its name that mean something in patterns stand for themselves. */
+/* The pattern of all .ply files in a folder, whose name may hold characters that mean something in patterns. */
 static char *pattern_of(const char *folder) {
     static const char ending[] = "/*.ply";
     char *pattern = kdr_memory_get(2 * strlen(folder) + sizeof ending, 1);
@@ -327,12 +327,13 @@ int kdr_command_bench(int argc, char **argv) {
         .parser = read_option,
         .args_doc = "[FILE...]",
         .doc = "Measure kdray, and Embree where it is installed, on the same rays in the same run."
-               "\vFILE is a mesh file, with a view of it in a .cam file beside it where there is one, or a built-in scene, "
-               "builtin:NAME[:TRIANGLES]. Without FILE: every .ply file of the folder that the environment variable "
-               "KDRAY_SCENES names, or two built-in scenes. Speeds are in million rays a second; the image takes build, "
-               "primary and shadow rays together. KDRAY_EMBREE names the Embree library to load."};
+               "\vFILE is a mesh file, with a view of it in a .cam file beside it where there is one, or a built-in "
+               "scene, builtin:NAME[:TRIANGLES]. Without FILE: every .ply file of the folder that the environment "
+               "variable KDRAY_SCENES names, or two built-in scenes. Speeds are in million rays a second; the image "
+               "takes build, primary and shadow rays together. KDRAY_EMBREE names the Embree library to load."};
     bench_request request = {.options = {.rounds = 5, .build = kdr_default_build_def()},
-                             .width = 1024, .height = 1024,
+                             .width = 1024,
+                             .height = 1024,
                              .isa = kdr_default_device_def().isa_limit};
     argp_err_exit_status = 2;
     if (argp_parse(&parser, argc, argv, 0, NULL, &request) != 0)
@@ -341,8 +342,10 @@ int kdr_command_bench(int argc, char **argv) {
         (request.csv && !kdr_whole_file_possible(request.csv, &logger)))
         return 1;
 
-    result_list results = {.info = {.width = request.width, .height = request.height,
-                                    .rounds = request.options.rounds, .build = request.options.build,
+    result_list results = {.info = {.width = request.width,
+                                    .height = request.height,
+                                    .rounds = request.options.rounds,
+                                    .build = request.options.build,
                                     .embree = find_embree(&request)}};
     bool good = true;
     if (!results.info.embree && !kdr_bench_wanted(&request.options, "kdray")) {

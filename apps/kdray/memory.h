@@ -4,8 +4,8 @@
 
 #include <stddef.h>
 
-/* count * size bytes aligned to 64; contents undefined; never NULL. When there is no memory, or the product does not fit,
- * a sentence goes to stderr and the program ends with status 1. Release: kdr_memory_release. */
+/* count * size bytes aligned to 64; contents undefined; never NULL. When there is no memory, or the product does not
+ * fit, a sentence goes to stderr and the program ends with status 1. Release: kdr_memory_release. */
 void *kdr_memory_get(size_t count, size_t size);
 
 /* NULL is allowed. */

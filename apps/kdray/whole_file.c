@@ -93,7 +93,8 @@ static bool replace(const char *path, kdr_whole_file_fn *write_to, const void *c
     return false;
 }
 
-bool kdr_whole_file_write(const char *path, kdr_whole_file_fn *write_to, const void *context, const kdr_logger *logger) {
+bool kdr_whole_file_write(const char *path, kdr_whole_file_fn *write_to, const void *context,
+                          const kdr_logger *logger) {
     if (is_special(path)) {
         int file = open(path, O_WRONLY | O_CLOEXEC);
         return (file >= 0 && write_and_close(file, write_to, context)) || complain(logger, path);

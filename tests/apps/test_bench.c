@@ -13,6 +13,10 @@
 
 #include <cmocka.h>
 
+/* The thread sanitizer sees neither Embree's threads nor what keeps them in order. */
+__attribute__((visibility("default"))) const char *__tsan_default_options(void);
+const char *__tsan_default_options(void) { return "ignore_noninstrumented_modules=1"; }
+
 #define TEXT_SIZE 65536
 #define PATH_SIZE 256
 #define ARGUMENTS 24
@@ -76,8 +80,8 @@ static void redirect(int stream, const char *name) {
 
 /* Runs `bench` with small pictures and the arguments, up to a NULL; returns the exit status. */
 static int bench(const char *first, ...) {
-    char *arguments[ARGUMENTS] = {(char *)"bench", (char *)"-r", (char *)"64x64", (char *)"--rounds", (char *)"1",
-                                  (char *)"-t",    (char *)"2"};
+    char *arguments[ARGUMENTS] = {(char *)"bench", (char *)"-r", (char *)"64x64", (char *)"--rounds",
+                                  (char *)"1",     (char *)"-t", (char *)"2"};
     int count = 7;
     va_list list;
     va_start(list, first);
@@ -160,9 +164,9 @@ static sheet csv;
 
 /* ---- tests */
 
-static const char *const tracers[] = {"kdray/stream",         "kdray/single",         "embree/low/packet",
-                                      "embree/low/single",    "embree/medium/packet", "embree/medium/single",
-                                      "embree/high/packet",   "embree/high/single"};
+static const char *const tracers[] = {"kdray/stream",       "kdray/single",         "embree/low/packet",
+                                      "embree/low/single",  "embree/medium/packet", "embree/medium/single",
+                                      "embree/high/packet", "embree/high/single"};
 #define TRACERS (sizeof tracers / sizeof tracers[0])
 
 static void every_tracer_has_a_row_and_every_figure_is_there(void **state) {
@@ -234,7 +238,8 @@ static void json_and_csv_say_the_same(void **state) {
 static void only_leaves_out_what_begins_otherwise(void **state) {
     (void)state;
     assert_int_equal(bench("builtin:flake:500", "--only", "kdray/single", "--only", "embree/medium", "--csv",
-                           path_of("a.csv"), NULL), 0);
+                           path_of("a.csv"), NULL),
+                     0);
     read_csv("a.csv", &csv);
     assert_int_equal(csv.rows, 3);
     assert_string_equal(cell(&csv, 0, "tracer"), "kdray/single");
@@ -251,7 +256,8 @@ static void instruction_sets_and_threads_change_no_hit(void **state) {
     static const char *const isas[] = {"scalar", "sse42", "avx2"};
     double hits = 0;
     for (size_t i = 0; i < 3; i++) {
-        assert_int_equal(bench("builtin:flake:500", "--isa", isas[i], "-t", i ? "3" : "1", "--csv", path_of("a.csv"), NULL),
+        const char *threads = i ? "3" : "1";
+        assert_int_equal(bench("builtin:flake:500", "--isa", isas[i], "-t", threads, "--csv", path_of("a.csv"), NULL),
                          0);
         char line[64];
         snprintf(line, sizeof line, "# instruction set: %s\n", isas[i]);
@@ -320,12 +326,12 @@ static void a_camera_beside_the_mesh_is_used(void **state) {
 
 static void a_scene_that_fails_does_not_stop_the_others(void **state) {
     (void)state;
-    assert_int_equal(bench(path_of("missing.ply"), "builtin:flake:500", "--only", "kdray/single", "--csv", path_of("a.csv"),
-                           NULL), 1);
+    const char *missing = path_of("missing.ply");
+    assert_int_equal(bench(missing, "builtin:flake:500", "--only", "kdray", "--csv", path_of("a.csv"), NULL), 1);
     assert_non_null(strstr(complained, "missing.ply"));
     read_csv("a.csv", &csv);
-    assert_int_equal(csv.rows, 1);
-    assert_int_equal(bench(path_of("missing.ply"), "--json", path_of("a.json"), NULL), 1);
+    assert_int_equal(csv.rows, 2);
+    assert_int_equal(bench(missing, "--json", path_of("a.json"), NULL), 1);
     assert_false(exists("a.json"));
 }
 
@@ -367,9 +373,10 @@ static void quiet_prints_nothing(void **state) {
 static void build_constants_reach_the_builder(void **state) {
     (void)state;
     assert_int_equal(bench("builtin:flake:2000", "--only", "kdray/single", "--csv", path_of("a.csv"), NULL), 0);
-    assert_int_equal(bench("builtin:flake:2000", "--only", "kdray/single", "--csv", path_of("b.csv"), "--traversal-cost",
-                           "2.5", "--intersection-cost", "1.5", "--leaf-limit", "2000", "--depth-limit", "1",
-                           "--reference-limit", "1.25", NULL), 0);
+    int status = bench("builtin:flake:2000", "--only", "kdray/single", "--csv", path_of("b.csv"), "--traversal-cost",
+                       "2.5", "--intersection-cost", "1.5", "--leaf-limit", "2000", "--depth-limit", "1",
+                       "--reference-limit", "1.25", NULL);
+    assert_int_equal(status, 0);
     read_csv("a.csv", &csv);
     double usual = number(&csv, 0, "bytes_per_triangle"), hits = number(&csv, 0, "hits");
     static char text[TEXT_SIZE];
@@ -384,12 +391,29 @@ static void build_constants_reach_the_builder(void **state) {
 static void wrong_usage_is_a_sentence_and_status_2(void **state) {
     (void)state;
     static const char *const wrong[][2] = {
-        {"-r", "64"},           {"-r", "0x64"},          {"-r", "64x-1"},           {"-r", "64x64x64"},
-        {"-r", "99999x1"},      {"-t", "0"},             {"-t", "two"},             {"-t", "1000"},
-        {"--rounds", "0"},      {"--rounds", "1.5"},     {"--only", "embre/low"},   {"--only", "kdray/packet"},
-        {"--isa", "mmx"},       {"--leaf-limit", "0"},   {"--depth-limit", "61"},   {"--traversal-cost", "0"},
-        {"--traversal-cost", "nan"},  {"--intersection-cost", "-1"}, {"--reference-limit", "0.5"},
-        {"--reference-limit", "inf"}, {"--leaf-limit", "99999999999"}, {"--no-such-option", "1"}, {"-r", ""},
+        {"-r", "64"},
+        {"-r", "0x64"},
+        {"-r", "64x-1"},
+        {"-r", "64x64x64"},
+        {"-r", "99999x1"},
+        {"-t", "0"},
+        {"-t", "two"},
+        {"-t", "1000"},
+        {"--rounds", "0"},
+        {"--rounds", "1.5"},
+        {"--only", "embre/low"},
+        {"--only", "kdray/packet"},
+        {"--isa", "mmx"},
+        {"--leaf-limit", "0"},
+        {"--depth-limit", "61"},
+        {"--traversal-cost", "0"},
+        {"--traversal-cost", "nan"},
+        {"--intersection-cost", "-1"},
+        {"--reference-limit", "0.5"},
+        {"--reference-limit", "inf"},
+        {"--leaf-limit", "99999999999"},
+        {"--no-such-option", "1"},
+        {"-r", ""},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         int status = bench("builtin:flake:500", wrong[i][0], wrong[i][1], NULL);

@@ -67,7 +67,9 @@ typedef struct vector {
 
 static vector vector_of(const float v[3]) { return (vector){v[0], v[1], v[2]}; }
 static vector origin_of(const kdr_ray *ray) { return (vector){ray->origin_x, ray->origin_y, ray->origin_z}; }
-static vector direction_of(const kdr_ray *ray) { return (vector){ray->direction_x, ray->direction_y, ray->direction_z}; }
+static vector direction_of(const kdr_ray *ray) {
+    return (vector){ray->direction_x, ray->direction_y, ray->direction_z};
+}
 static double dot(vector a, vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 static double length(vector a) { return sqrt(dot(a, a)); }
 static vector add(vector a, double s, vector b) { return (vector){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z}; }
@@ -242,7 +244,8 @@ static void take_block(void *context, size_t begin, size_t end) {
 
 static void every_ray_belongs_to_one_block_whatever_their_number(void **state) {
     (void)state;
-    static const size_t counts[] = {0, 1, KDR_BENCH_BLOCK - 1, KDR_BENCH_BLOCK, KDR_BENCH_BLOCK + 1, 5 * KDR_BENCH_BLOCK + 7};
+    static const size_t counts[] = {
+        0, 1, KDR_BENCH_BLOCK - 1, KDR_BENCH_BLOCK, KDR_BENCH_BLOCK + 1, 5 * KDR_BENCH_BLOCK + 7};
     static uint8_t seen[6 * KDR_BENCH_BLOCK];
     kdr_bench_scene scene = scene_with(3);
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
