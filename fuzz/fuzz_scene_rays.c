@@ -76,8 +76,13 @@ static kdr_build_def take_build_def(source *from) {
 static kdr_ray take_ray(source *from) {
     float v[6];
     take_floats(from, v, 6);
-    kdr_ray ray = {.origin_x = v[0], .origin_y = v[1], .origin_z = v[2], .direction_x = v[3], .direction_y = v[4],
-                   .direction_z = v[5], .tmax = INFINITY};
+    kdr_ray ray = {.origin_x = v[0],
+                   .origin_y = v[1],
+                   .origin_z = v[2],
+                   .direction_x = v[3],
+                   .direction_y = v[4],
+                   .direction_z = v[5],
+                   .tmax = INFINITY};
     switch (take_byte(from) % 4) {
     case 1: ray.tmin = take_raw(from), ray.tmax = take_raw(from); break;
     case 2: ray.tmin = take_snapped(from, false), ray.tmax = take_snapped(from, false); break;

@@ -1,5 +1,7 @@
 /* Randomness that is the same everywhere: a stream of numbers that depends on a seed and an item alone.
  *
+ * Ask for one number a statement. The order within an expression, argument list or initializer is the compiler's.
+ *
  * The generator is SplitMix64 (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", 2014): a
  * counter and a mixing function, so that item i of a scene can be made without making the items before it. */
 #ifndef KDR_SCENES_CHANCE_H

@@ -20,8 +20,9 @@ static city_lot lot_at(const kdr_city *city, uint32_t column, uint32_t row) {
     double x = city->corner.x + lot.x - city->centre_x, z = city->corner.z + lot.z - city->centre_z;
     double near = 1 - sqrt(x * x + z * z) / city->reach;
     near = near > 0 ? near * near : 0;
-    lot.height =
-        0.35 + city->height * (0.12 * kdr_chance_unit(&chance) + near * kdr_chance_between(&chance, 0.25, 0.9));
+    double storeys = 0.12 * kdr_chance_unit(&chance);
+    storeys += near * kdr_chance_between(&chance, 0.25, 0.9);
+    lot.height = 0.35 + city->height * storeys;
     lot.tiers = 1 + kdr_chance_below(&chance, MOST_TIERS);
     lot.walls = KDR_CITY_WALLS + kdr_chance_below(&chance, KDR_CITY_WALL_COUNT);
     return lot;

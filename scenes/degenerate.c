@@ -103,8 +103,9 @@ static void draw_areas_of_zero(kdr_shape *shape, size_t count) {
     kdr_point up = {0, 1, 0};
     for (size_t i = 0; i < count; i++) {
         kdr_chance chance = kdr_chance_of(10, i);
-        kdr_point a = {grains(&chance, -1024, 1024), grains(&chance, 0, 2048), grains(&chance, -1024, 1024)};
-        kdr_point step = {grains(&chance, 1, 64), grains(&chance, 1, 64), grains(&chance, 1, 64)};
+        double x = grains(&chance, -1024, 1024), y = grains(&chance, 0, 2048), z = grains(&chance, -1024, 1024);
+        double right = grains(&chance, 1, 64), up_by = grains(&chance, 1, 64), near = grains(&chance, 1, 64);
+        kdr_point a = {x, y, z}, step = {right, up_by, near};
         uint32_t first = kdr_shape_vertex(shape, a, up);
         uint32_t second = kdr_shape_vertex(shape, i % 4 == 0 ? a : kdr_point_add(a, step), up);
         uint32_t third = kdr_shape_vertex(shape, i % 4 == 3 ? kdr_point_along(a, step, 2) : a, up);

@@ -11,9 +11,9 @@ static const kdr_recipe_material materials[] = {
     {"flake 4", {0.90f, 0.70f, 0.26f}},    {"flake 5", {0.90f, 0.88f, 0.78f}},
 };
 
-#define FLOOR_RADIUS 2.7
-#define KNOT_DISTANCE 2.2
-#define PEDESTAL_HEIGHT 0.75
+#define FLOOR_RADIUS 2.35
+#define KNOT_DISTANCE 1.95
+#define PEDESTAL_HEIGHT 0.5
 
 /* Rings of tiles, light and dark in turn. */
 static void draw_floor(kdr_shape *shape, size_t rings, size_t sectors) {
@@ -33,7 +33,7 @@ static void draw_floor(kdr_shape *shape, size_t rings, size_t sectors) {
 
 /* Three drums, one upon the other. */
 static void draw_pedestal(kdr_shape *shape, uint32_t sides) {
-    static const double drums[][3] = {{0.80, 0, 0.10}, {0.50, 0.10, 0.65}, {0.66, 0.65, PEDESTAL_HEIGHT}};
+    static const double drums[][3] = {{0.80, 0, 0.10}, {0.50, 0.10, 0.40}, {0.66, 0.40, PEDESTAL_HEIGHT}};
     shape->material = PEDESTAL;
     for (size_t i = 0; i < sizeof drums / sizeof drums[0]; i++) {
         double radius = drums[i][0];
@@ -49,7 +49,7 @@ static void draw_knots(kdr_shape *shape, size_t count, size_t triangles) {
     for (size_t i = 0; i < count; i++) {
         double around = ((double)i + 0.3) / (double)count;
         kdr_turn turn = kdr_turn_of(around);
-        kdr_frame frame = kdr_frame_at((kdr_point){KNOT_DISTANCE * turn.sine, 0.36, KNOT_DISTANCE * turn.cosine}, 0.36);
+        kdr_frame frame = kdr_frame_at((kdr_point){KNOT_DISTANCE * turn.sine, 0.33, KNOT_DISTANCE * turn.cosine}, 0.33);
         frame = kdr_frame_turn_x(kdr_frame_turn_y(frame, around), 0.23);
         shape->material = KNOTS + (uint32_t)i % KNOT_COLOURS;
         kdr_draw_knot(shape, &frame, triangles / count, 2, 3 + 2 * (int)(i % 2));

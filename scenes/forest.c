@@ -47,7 +47,8 @@ static tree_plan plan_tree(size_t triangles, kdr_chance chance) {
 static void draw_leaf(kdr_shape *shape, tree_plan *tree, const kdr_frame *branch, double length, double spread) {
     kdr_chance *chance = &tree->chance;
     kdr_point place = kdr_point_along(branch->origin, branch->y, length * kdr_chance_between(chance, 0.3, 1.1));
-    place = kdr_point_along(place, kdr_chance_direction(chance), spread * kdr_chance_unit(chance));
+    double distance = spread * kdr_chance_unit(chance);
+    place = kdr_point_along(place, kdr_chance_direction(chance), distance);
     kdr_frame frame = kdr_frame_along(place, kdr_chance_direction(chance));
     double size = tree->leaf_size * kdr_chance_between(chance, 0.6, 1);
     kdr_shape_quad_corners(shape, place, kdr_frame_point(&frame, size * 0.35, size * 0.5, 0),
@@ -101,8 +102,8 @@ static void draw(kdr_shape *shape, size_t triangle_count, double time) {
         double away = radius * sqrt(((double)i + 0.5) / (double)tree_count);
         kdr_turn turn = kdr_turn_of((double)i * 0.38196601125);
         kdr_frame root = kdr_frame_at((kdr_point){away * turn.cosine, 0, away * turn.sine}, 1);
-        root = kdr_frame_turn_x(kdr_frame_turn_y(root, kdr_chance_unit(&tree.chance)),
-                                kdr_chance_between(&tree.chance, 0, 0.015));
+        root = kdr_frame_turn_y(root, kdr_chance_unit(&tree.chance));
+        root = kdr_frame_turn_x(root, kdr_chance_between(&tree.chance, 0, 0.015));
         double height = kdr_chance_between(&tree.chance, 0.4, 0.65);
         draw_branch(shape, &tree, root, height, height * 0.075, 0);
     }

@@ -37,8 +37,24 @@ typedef struct kdr_recipe {
 /* Every recipe is a constant kdr_recipe_NAME of its own, in the file of its kind; here is their order. */
 #define KDR_RECIPE_LIST(X)                                                                                             \
     X(demo)                                                                                                            \
-    X(flake) X(forest) X(city) X(stadium) X(grass) X(hair) X(terrain) X(sphere) X(knot) X(shell) X(needles) X(soup)    \
-        X(heap) X(duplicates) X(explode) X(twist) X(wave) X(crowd)
+    X(flake)                                                                                                           \
+    X(forest)                                                                                                          \
+    X(city)                                                                                                            \
+    X(stadium)                                                                                                         \
+    X(grass)                                                                                                           \
+    X(hair)                                                                                                            \
+    X(terrain)                                                                                                         \
+    X(sphere)                                                                                                          \
+    X(knot)                                                                                                            \
+    X(shell)                                                                                                           \
+    X(needles)                                                                                                         \
+    X(soup)                                                                                                            \
+    X(heap)                                                                                                            \
+    X(duplicates)                                                                                                      \
+    X(explode)                                                                                                         \
+    X(twist)                                                                                                           \
+    X(wave)                                                                                                            \
+    X(crowd)
 
 #define KDR_RECIPE_DECLARE(name) extern const kdr_recipe kdr_recipe_##name;
 KDR_RECIPE_LIST(KDR_RECIPE_DECLARE)

@@ -105,14 +105,11 @@ static void draw_hair(kdr_shape *shape, size_t triangle_count, double time) {
     size_t hair_count = (triangle_count + hair_triangles / 2) / hair_triangles;
     for (size_t i = 0; i < hair_count; i++) {
         kdr_chance chance = kdr_chance_of(3, i);
-        hair_strand hair = {
-            .frame = kdr_frame_along((kdr_point){0, 0, 0}, kdr_chance_direction(&chance)),
-            .radius = 0.002 + 0.2 / sqrt((double)hair_count),
-            .curl = kdr_chance_between(&chance, 0.05, 0.45),
-            .waves = kdr_chance_between(&chance, -1.5, 1.5),
-            .shift = kdr_chance_unit(&chance),
-            .segments = segments,
-        };
+        hair_strand hair = {.segments = segments, .radius = 0.002 + 0.2 / sqrt((double)hair_count)};
+        hair.frame = kdr_frame_along((kdr_point){0, 0, 0}, kdr_chance_direction(&chance));
+        hair.curl = kdr_chance_between(&chance, 0.05, 0.45);
+        hair.waves = kdr_chance_between(&chance, -1.5, 1.5);
+        hair.shift = kdr_chance_unit(&chance);
         shape->material = kdr_chance_below(&chance, 3);
         kdr_grid grid = {.rows = segments, .columns = HAIR_SIDES, .around = true};
         kdr_shape_grid(shape, grid, hair_point, &hair);

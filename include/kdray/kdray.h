@@ -42,14 +42,14 @@ extern "C" {
 /* ---------------------------------------------------------------------------------------------------- status */
 
 /* Every status, with the sentence that kdr_status_text gives for it. */
-#define KDR_STATUS_LIST(X)                                                                                          \
-    X(KDR_OK, "no error")                                                                                            \
-    X(KDR_ERROR_OUT_OF_MEMORY, "out of memory")                                                                      \
-    X(KDR_ERROR_INVALID_ARGUMENT, "invalid argument")                                                                \
-    X(KDR_ERROR_INVALID_DATA, "invalid data")                                                                        \
-    X(KDR_ERROR_IO, "input or output failed")                                                                        \
-    X(KDR_ERROR_UNSUPPORTED, "not supported")                                                                        \
-    X(KDR_ERROR_LIMIT, "a limit of the library was exceeded")                                                        \
+#define KDR_STATUS_LIST(X)                                                                                             \
+    X(KDR_OK, "no error")                                                                                              \
+    X(KDR_ERROR_OUT_OF_MEMORY, "out of memory")                                                                        \
+    X(KDR_ERROR_INVALID_ARGUMENT, "invalid argument")                                                                  \
+    X(KDR_ERROR_INVALID_DATA, "invalid data")                                                                          \
+    X(KDR_ERROR_IO, "input or output failed")                                                                          \
+    X(KDR_ERROR_UNSUPPORTED, "not supported")                                                                          \
+    X(KDR_ERROR_LIMIT, "a limit of the library was exceeded")                                                          \
     X(KDR_ERROR_CANCELLED, "cancelled")
 
 typedef enum kdr_status {
@@ -117,13 +117,13 @@ typedef enum kdr_log_level { KDR_LOG_ERROR, KDR_LOG_WARNING, KDR_LOG_INFO } kdr_
 typedef void kdr_log_fn(kdr_log_level level, const char *message, void *user);
 
 typedef struct kdr_device_def {
-    size_t size;               /* set by kdr_default_device_def; proves initialisation and version */
-    uint32_t worker_count;     /* threads that build; 0: as many as this thread may run on; at most 256 */
-    kdr_isa isa_limit;         /* use nothing wider; default: no limit beyond the KDR_ISA environment variable */
-    kdr_task_backend tasks;    /* default (start NULL): a pool of kdray's own threads */
-    kdr_allocator allocator;   /* default (allocate NULL): kdray's own */
-    kdr_log_fn *log;           /* NULL: silence */
-    void *log_user;            /* passed to log */
+    size_t size;             /* set by kdr_default_device_def; proves initialisation and version */
+    uint32_t worker_count;   /* threads that build; 0: as many as this thread may run on; at most 256 */
+    kdr_isa isa_limit;       /* use nothing wider; default: no limit beyond the KDR_ISA environment variable */
+    kdr_task_backend tasks;  /* default (start NULL): a pool of kdray's own threads */
+    kdr_allocator allocator; /* default (allocate NULL): kdray's own */
+    kdr_log_fn *log;         /* NULL: silence */
+    void *log_user;          /* passed to log */
 } kdr_device_def;
 
 KDR_API kdr_device_def kdr_default_device_def(void);
@@ -157,13 +157,13 @@ KDR_API void kdr_device_run(kdr_device *device, kdr_task_fn *task, void *context
 
 /* Indexed triangles. Arrays are borrowed until the scene is destroyed, and read only while a commit runs. */
 typedef struct kdr_triangles_def {
-    size_t size;            /* set by kdr_default_triangles_def */
-    const float *vertices;  /* x, y, z of vertex i at (const char *)vertices + i * vertex_stride; NULL only if none */
-    size_t vertex_stride;   /* bytes, a multiple of 4, at least 12; default 12 */
-    size_t vertex_count;    /* at most 2^32 - 1 */
+    size_t size;             /* set by kdr_default_triangles_def */
+    const float *vertices;   /* x, y, z of vertex i at (const char *)vertices + i * vertex_stride; NULL only if none */
+    size_t vertex_stride;    /* bytes, a multiple of 4, at least 12; default 12 */
+    size_t vertex_count;     /* at most 2^32 - 1 */
     const uint32_t *indices; /* three vertex numbers a triangle; NULL: triangle i has vertices 3i, 3i + 1, 3i + 2 */
-    size_t index_stride;    /* bytes from one triangle to the next, a multiple of 4, at least 12; default 12 */
-    size_t triangle_count;  /* may be 0 */
+    size_t index_stride;     /* bytes from one triangle to the next, a multiple of 4, at least 12; default 12 */
+    size_t triangle_count;   /* may be 0 */
 } kdr_triangles_def;
 
 KDR_API kdr_triangles_def kdr_default_triangles_def(void);
@@ -188,12 +188,12 @@ KDR_API kdr_status kdr_scene_touch(kdr_scene *scene, uint32_t geometry);
 
 /* How the tree is built. Distances are relative costs of the surface area heuristic. */
 typedef struct kdr_build_def {
-    size_t size;              /* set by kdr_default_build_def */
-    float cost_traversal;     /* of one step through an interior node; > 0 */
-    float cost_intersection;  /* of one triangle test; > 0 */
-    uint32_t leaf_limit;      /* more primitives than this are split even where the heuristic would not; >= 1 */
-    uint32_t depth_limit;     /* 0: 8 + 1.3 log2(primitives); at most KDR_MAX_DEPTH */
-    float reference_limit;    /* references a primitive, over the whole tree, that splitting may use; >= 1 */
+    size_t size;             /* set by kdr_default_build_def */
+    float cost_traversal;    /* of one step through an interior node; > 0 */
+    float cost_intersection; /* of one triangle test; > 0 */
+    uint32_t leaf_limit;     /* more primitives than this are split even where the heuristic would not; >= 1 */
+    uint32_t depth_limit;    /* 0: 8 + 1.3 log2(primitives); at most KDR_MAX_DEPTH */
+    float reference_limit;   /* references a primitive, over the whole tree, that splitting may use; >= 1 */
 } kdr_build_def;
 
 #define KDR_MAX_DEPTH 60
@@ -214,20 +214,20 @@ KDR_API void kdr_scene_bounds(const kdr_scene *scene, float bounds[6]);
 #define KDR_HISTOGRAM_SIZE 64
 
 typedef struct kdr_tree_stats {
-    uint64_t triangle_count;    /* in the tree */
-    uint64_t dropped_count;     /* left out: a vertex is NaN or infinite */
-    uint64_t degenerate_count;  /* left out: exactly zero area, no ray can hit them */
+    uint64_t triangle_count;   /* in the tree */
+    uint64_t dropped_count;    /* left out: a vertex is NaN or infinite */
+    uint64_t degenerate_count; /* left out: exactly zero area, no ray can hit them */
     uint64_t interior_count;
-    uint64_t leaf_count;        /* with empty ones */
+    uint64_t leaf_count; /* with empty ones */
     uint64_t empty_leaf_count;
-    uint64_t reference_count;   /* triangles over all leaves; over triangle_count: the duplication */
-    uint32_t depth;             /* of the deepest leaf; the root has 0 */
+    uint64_t reference_count; /* triangles over all leaves; over triangle_count: the duplication */
+    uint32_t depth;           /* of the deepest leaf; the root has 0 */
     uint32_t largest_leaf;
-    double mean_leaf_depth;     /* over all leaves */
-    double cost;                /* by the surface area heuristic, with the constants the tree was built with */
-    size_t node_bytes;          /* nodes of the tree, in every form that is kept */
-    size_t leaf_bytes;          /* blocks of the leaves */
-    double build_seconds;       /* wall time of the commit */
+    double mean_leaf_depth; /* over all leaves */
+    double cost;            /* by the surface area heuristic, with the constants the tree was built with */
+    size_t node_bytes;      /* nodes of the tree, in every form that is kept */
+    size_t leaf_bytes;      /* blocks of the leaves */
+    double build_seconds;   /* wall time of the commit */
     uint64_t depth_histogram[KDR_HISTOGRAM_SIZE]; /* leaves at each depth */
     uint64_t leaf_histogram[KDR_HISTOGRAM_SIZE];  /* leaves with i triangles; the last counts all larger ones */
 } kdr_tree_stats;
@@ -248,13 +248,13 @@ KDR_API kdr_status kdr_scene_verify(const kdr_scene *scene);
 /* Field order is that of Embree's RTCRay; 16-byte alignment is not required. */
 typedef struct kdr_ray {
     float origin_x, origin_y, origin_z;
-    float tmin;                              /* exclusive; in units of the direction's length; may be negative */
+    float tmin;                                  /* exclusive; in units of the direction's length; may be negative */
     float direction_x, direction_y, direction_z; /* any length but zero */
-    float time;                              /* not read */
-    float tmax;                              /* inclusive; infinity is allowed */
-    uint32_t mask;                           /* not read */
-    uint32_t id;                             /* not read; the caller's */
-    uint32_t flags;                          /* not read */
+    float time;                                  /* not read */
+    float tmax;                                  /* inclusive; infinity is allowed */
+    uint32_t mask;                               /* not read */
+    uint32_t id;                                 /* not read; the caller's */
+    uint32_t flags;                              /* not read */
 } kdr_ray;
 
 /* Field order is that of Embree's RTCHit. */

@@ -32,17 +32,17 @@ typedef struct kdr_mesh_material {
 
 /* Triangles as arrays, nothing more. Every index is below its count; every position and normal is finite. */
 typedef struct kdr_mesh {
-    float *positions;              /* 3 floats a vertex */
-    float *normals;                /* 3 floats a vertex, unit length; NULL: shade by the triangles' own normals */
+    float *positions; /* 3 floats a vertex */
+    float *normals;   /* 3 floats a vertex, unit length; NULL: shade by the triangles' own normals */
     size_t vertex_count;
-    uint32_t *indices;             /* 3 a triangle */
-    uint32_t *triangle_materials;  /* one a triangle; NULL: no materials */
+    uint32_t *indices;            /* 3 a triangle */
+    uint32_t *triangle_materials; /* one a triangle; NULL: no materials */
     size_t triangle_count;
     kdr_mesh_material *materials;
     size_t material_count;
-    size_t dropped_count;          /* triangles left out: a vertex was NaN or infinite */
-    size_t dropped_vertex_count;   /* such vertices */
-    char format[32];               /* "PLY binary little endian", "OBJ", "built-in city", ... */
+    size_t dropped_count;        /* triangles left out: a vertex was NaN or infinite */
+    size_t dropped_vertex_count; /* such vertices */
+    char format[32];             /* "PLY binary little endian", "OBJ", "built-in city", ... */
 } kdr_mesh;
 
 /* Reads a mesh file; the format is found by content first, then by name. PLY, OBJ, STL (each also gzipped) are read by
@@ -119,20 +119,20 @@ typedef struct kdr_picture_def {
     kdr_camera camera;
     float lights[KDR_MAX_LIGHTS][3]; /* white point lights that share one unit of brightness; no falloff */
     uint32_t light_count;            /* 1 to 16 */
-    uint32_t samples;       /* a pixel, 1 to 65,536; 1: through the pixel's centre, more: stratified */
-    uint64_t seed;          /* of the samples' positions */
-    bool box;               /* the thesis's textured box around the model */
-    const char *texture;    /* PNG on the box; NULL: a checkerboard */
-    float background[3];    /* linear RGB */
-    kdr_progress_fn *progress; /* NULL: none. Called on the thread that called, or a worker, never two at once */
+    uint32_t samples;                /* a pixel, 1 to 65,536; 1: through the pixel's centre, more: stratified */
+    uint64_t seed;                   /* of the samples' positions */
+    bool box;                        /* the thesis's textured box around the model */
+    const char *texture;             /* PNG on the box; NULL: a checkerboard */
+    float background[3];             /* linear RGB */
+    kdr_progress_fn *progress;       /* NULL: none. Called on the thread that called, or a worker, never two at once */
     void *progress_user;
 } kdr_picture_def;
 
 KDR_API kdr_picture_def kdr_default_picture_def(void);
 
 typedef struct kdr_picture_stats {
-    double build_seconds;    /* commit of the scene */
-    double trace_seconds;    /* rays and shading, all tiles */
+    double build_seconds; /* commit of the scene */
+    double trace_seconds; /* rays and shading, all tiles */
     uint64_t primary_rays, hits, shadow_rays, occluded;
     kdr_tree_stats tree;
 } kdr_picture_stats;

@@ -9,8 +9,8 @@
 typedef struct selection {
     const uint8_t *flags;
     uint32_t *indices;
-    uint32_t *others;  /* where numbers of elements with flag 0 go; NULL: nowhere */
-    uint64_t *before;  /* true flags of each part; then those of all parts before it */
+    uint32_t *others; /* where numbers of elements with flag 0 go; NULL: nowhere */
+    uint64_t *before; /* true flags of each part; then those of all parts before it */
 } selection;
 
 static void count_flags(void *context, size_t begin, size_t end, uint32_t worker) {

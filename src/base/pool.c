@@ -27,15 +27,15 @@ struct kdr_pool {
     uint32_t spin_rounds;
 
     _Alignas(64) pthread_mutex_t mutex;
-    pthread_cond_t changed;      /* sleepers wait for a task or for the end */
-    const char *given;           /* tasks of the start that nobody took yet */
+    pthread_cond_t changed; /* sleepers wait for a task or for the end */
+    const char *given;      /* tasks of the start that nobody took yet */
     size_t given_count;
     uint32_t sleeping;
 
     /* written under the lock, read without it as hints */
     _Alignas(64) _Atomic uint32_t offered_count;
-    _Atomic bool work_waits;     /* given_count + offered_count > 0 */
-    _Atomic uint32_t idle;       /* workers that look for a task */
+    _Atomic bool work_waits; /* given_count + offered_count > 0 */
+    _Atomic uint32_t idle;   /* workers that look for a task */
 
     _Alignas(64) _Atomic size_t outstanding;
 

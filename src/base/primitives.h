@@ -15,9 +15,7 @@ void kdr_parallel_for(const kdr_crew *crew, size_t count, size_t grain, kdr_rang
 #define KDR_SCAN_GRAIN 16384
 
 /* Entries of scratch that scan, compact and partition of `count` elements take: one for each grain. */
-static inline size_t kdr_scan_scratch(size_t count) {
-    return count / KDR_SCAN_GRAIN + (count % KDR_SCAN_GRAIN != 0);
-}
+static inline size_t kdr_scan_scratch(size_t count) { return count / KDR_SCAN_GRAIN + (count % KDR_SCAN_GRAIN != 0); }
 
 /* Exclusive prefix sum in place; returns the total. scratch: kdr_scan_scratch(count) entries.
  * The total is exact; sums in `values` keep their low 32 bits when they do not fit. */

@@ -7,8 +7,7 @@
 const char *kdr_status_text(kdr_status status) {
     switch (status) {
 #define STATUS_CASE(name, text)                                                                                        \
-    case name:                                                                                                         \
-        return text;
+    case name: return text;
         KDR_STATUS_LIST(STATUS_CASE)
 #undef STATUS_CASE
     }
@@ -19,16 +18,11 @@ const char *kdr_version(void) { return VERSION_TEXT(KDR_VERSION_MAJOR, KDR_VERSI
 
 const char *kdr_isa_name(kdr_isa isa) {
     switch (isa) {
-    case KDR_ISA_SCALAR:
-        return "scalar";
-    case KDR_ISA_SSE42:
-        return "sse42";
-    case KDR_ISA_AVX2:
-        return "avx2";
-    case KDR_ISA_AVX512:
-        return "avx512";
-    case KDR_ISA_NEON:
-        return "neon";
+    case KDR_ISA_SCALAR: return "scalar";
+    case KDR_ISA_SSE42: return "sse42";
+    case KDR_ISA_AVX2: return "avx2";
+    case KDR_ISA_AVX512: return "avx512";
+    case KDR_ISA_NEON: return "neon";
     }
     return "unknown";
 }

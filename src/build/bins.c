@@ -6,9 +6,9 @@
  *
  * Source: M. Shevtsov, A. Soupikov, A. Kapustin, "Highly Parallel Fast KD-tree Construction for Interactive Ray Tracing
  * of Dynamic Scenes", 2007, sections 3.1 to 3.4.
- * Choosing among the bin boundaries is in kernels_lanes.c. Beyond the paper: bins cover the bounds of the primitives instead of the cell, and the two faces of the bounds are candidates
- * of their own, which cut off empty space.
- * Cost: six counter updates a counted primitive, 99 cost evaluations a node. */
+ * Choosing among the bin boundaries is in kernels_lanes.c. Beyond the paper: bins cover the bounds of the primitives
+ * instead of the cell, and the two faces of the bounds are candidates of their own, which cut off empty space. Cost:
+ * six counter updates a counted primitive, 99 cost evaluations a node. */
 #include "build/bins.h"
 
 #include <math.h>

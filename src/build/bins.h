@@ -19,8 +19,8 @@ typedef struct kdr_bin_grid {
 kdr_bin_grid kdr_bin_grid_of(const kdr_box *box);
 
 /* Counts references begin, begin + step ... below end. */
-void kdr_bins_add(kdr_bins *bins, const kdr_bin_grid *grid, const kdr_references *references, uint32_t begin, uint32_t end,
-                  uint32_t step);
+void kdr_bins_add(kdr_bins *bins, const kdr_bin_grid *grid, const kdr_references *references, uint32_t begin,
+                  uint32_t end, uint32_t step);
 void kdr_bins_merge(kdr_bins *bins, const kdr_bins *other);
 
 /* Of `count` primitives every how many are counted: floor(log10 count), at least 1. */

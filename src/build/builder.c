@@ -13,9 +13,9 @@
 #include <math.h>
 
 #define ARENA_CHUNK ((size_t)1 << 20)
-#define SHARED_LIMIT 65536  /* larger nodes are opened by all workers together */
-#define TOP_TASKS 256       /* at most so many tasks wait before the pool starts */
-#define OFFER_LIMIT 2048    /* smaller nodes are not worth handing over */
+#define SHARED_LIMIT 65536 /* larger nodes are opened by all workers together */
+#define TOP_TASKS 256      /* at most so many tasks wait before the pool starts */
+#define OFFER_LIMIT 2048   /* smaller nodes are not worth handing over */
 
 kdr_workshop *kdr_workshop_create(kdr_alloc *alloc, kdr_bulk *bulk, uint32_t worker_count) {
     kdr_workshop *shop = kdr_alloc_get(alloc, sizeof *shop, 64);
@@ -144,8 +144,8 @@ static void start_over(kdr_workshop *shop) {
 kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, const kdr_source *source,
                      const kdr_plan *plan, kdr_tree *tree, kdr_source_counts *counts) {
     KDR_CHECK(crew->worker_count <= shop->worker_count);
-    kdr_build_state state = {.shop = shop, .crew = crew, .kernels = kdr_build_kernels_for(isa), .source = source,
-                             .plan = *plan};
+    kdr_build_state state = {
+        .shop = shop, .crew = crew, .kernels = kdr_build_kernels_for(isa), .source = source, .plan = *plan};
     *counts = (kdr_source_counts){0};
     if (source->count > KDR_NODE_MAX_INDEX)
         return KDR_ERROR_LIMIT;

@@ -15,14 +15,22 @@ bool kdr_chunks_init(kdr_chunks *chunks, kdr_alloc *alloc, size_t chunk_bytes, u
     return true;
 }
 
+/* Chunks that may have memory. No worker may be using them. */
+static uint32_t touched(const kdr_chunks *chunks) {
+    uint32_t used = atomic_load_explicit(&chunks->used, memory_order_relaxed);
+    uint32_t most = used > chunks->touched ? used : chunks->touched;
+    return most < chunks->capacity ? most : chunks->capacity;
+}
+
 void kdr_chunks_trim(kdr_chunks *chunks, kdr_alloc *alloc) {
-    for (uint32_t i = 0; i < chunks->capacity; i++) {
+    for (uint32_t i = 0, count = touched(chunks); i < count; i++) {
         if (chunks->bytes[i] > 0)
             kdr_alloc_release(alloc, chunks->table[i], chunks->bytes[i]);
         chunks->table[i] = NULL;
         chunks->bytes[i] = 0;
     }
     atomic_store_explicit(&chunks->used, 0, memory_order_relaxed);
+    chunks->touched = 0;
 }
 
 void kdr_chunks_release(kdr_chunks *chunks, kdr_alloc *alloc) {
@@ -34,8 +42,8 @@ void kdr_chunks_release(kdr_chunks *chunks, kdr_alloc *alloc) {
 }
 
 void kdr_chunks_reset(kdr_chunks *chunks, kdr_alloc *alloc) {
-    uint32_t used = atomic_load_explicit(&chunks->used, memory_order_relaxed);
-    for (uint32_t i = 0; i < used && i < chunks->capacity; i++) {
+    chunks->touched = touched(chunks);
+    for (uint32_t i = 0; i < chunks->touched; i++) {
         if (chunks->bytes[i] != chunks->chunk_bytes) {
             kdr_alloc_release(alloc, chunks->bytes[i] > 0 ? chunks->table[i] : NULL, chunks->bytes[i]);
             chunks->table[i] = NULL;

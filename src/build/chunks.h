@@ -9,10 +9,11 @@
 
 typedef struct kdr_chunks {
     size_t chunk_bytes;
-    uint32_t capacity;       /* chunks that the table has room for */
-    _Atomic uint32_t used;   /* chunks taken in this build */
-    void **table;            /* NULL entries have no memory yet */
-    size_t *bytes;           /* of the allocation that begins at an entry; 0 inside a larger one */
+    uint32_t capacity;     /* chunks that the table has room for */
+    _Atomic uint32_t used; /* chunks taken in this build */
+    uint32_t touched;      /* chunks that may have memory: the most ever taken, up to the last reset */
+    void **table;          /* NULL entries have no memory yet */
+    size_t *bytes;         /* of the allocation that begins at an entry; 0 inside a larger one */
 } kdr_chunks;
 
 /* False when there is no memory. */

@@ -1,7 +1,7 @@
 /* Opens one task: chooses a plane, divides the references, makes a leaf or a pair.
  *
- * The same few steps serve small nodes in one worker's arena and the largest ones, whose passes all workers share. Counts
- * are integers and ranges are cut at fixed places, so the tree is the same either way. */
+ * The same few steps serve small nodes in one worker's arena and the largest ones, whose passes all workers share.
+ * Counts are integers and ranges are cut at fixed places, so the tree is the same either way. */
 #include "build/work.h"
 
 #include "base/primitives.h"
@@ -15,10 +15,10 @@ typedef struct pass {
     kdr_split split;
     kdr_bin_grid grid;
     uint32_t step;
-    kdr_bins *bins;           /* a worker */
-    uint32_t *left, *right;   /* a range: counts, then places */
+    kdr_bins *bins;         /* a worker */
+    uint32_t *left, *right; /* a range: counts, then places */
     kdr_references to[2];
-    kdr_box *boxes[2];        /* a worker */
+    kdr_box *boxes[2]; /* a worker */
 } pass;
 
 static void bin_range(void *context, size_t begin, size_t end, uint32_t worker) {
@@ -39,8 +39,8 @@ static void count_range(void *context, size_t begin, size_t end, uint32_t worker
 static void divide_range(void *context, size_t begin, size_t end, uint32_t worker) {
     pass *p = context;
     size_t range = begin / PASS_GRAIN;
-    p->state->kernels->divide(&p->task->references, (uint32_t)begin, (uint32_t)end, &p->split, &p->to[0], p->left[range],
-                              &p->to[1], p->right[range], &p->boxes[0][worker], &p->boxes[1][worker]);
+    p->state->kernels->divide(&p->task->references, (uint32_t)begin, (uint32_t)end, &p->split, &p->to[0],
+                              p->left[range], &p->to[1], p->right[range], &p->boxes[0][worker], &p->boxes[1][worker]);
 }
 
 static void run(pass *p, bool parallel, kdr_range_fn *fn) {
@@ -131,8 +131,8 @@ static bool is_worth_it(const kdr_build_state *state, const kdr_build_task *task
     return count > state->plan.leaf_limit && 2 * (left + right) <= 3 * count;
 }
 
-static kdr_opened divide(kdr_build_state *state, kdr_build_worker *worker, bool parallel, pass *p,
-                         kdr_build_task *task, kdr_build_task children[2]) {
+static kdr_opened divide(kdr_build_state *state, kdr_build_worker *worker, bool parallel, pass *p, kdr_build_task *task,
+                         kdr_build_task children[2]) {
     /* Count first: places are then known, and a plane that separates nothing is found out. */
     uint32_t ranges = (task->references.count + PASS_GRAIN - 1) / PASS_GRAIN;
     run(p, parallel, count_range);
@@ -195,7 +195,11 @@ kdr_opened kdr_expand(kdr_build_state *state, kdr_build_worker *worker, bool par
     kdr_bins bins;
     kdr_box boxes[2];
     uint32_t places[2];
-    pass p = {.state = state, .task = task, .bins = &bins, .left = &places[0], .right = &places[1],
+    pass p = {.state = state,
+              .task = task,
+              .bins = &bins,
+              .left = &places[0],
+              .right = &places[1],
               .boxes = {&boxes[0], &boxes[1]}};
     uint32_t ranges = (count + PASS_GRAIN - 1) / PASS_GRAIN, workers = parallel ? state->shop->worker_count : 1;
     kdr_arena_mark mark = kdr_arena_save(&worker->arena);

@@ -12,16 +12,15 @@
 typedef struct gathering {
     const kdr_source *source;
     kdr_references to;
-    uint32_t *kept;      /* a range */
-    kdr_box *boxes;      /* a worker */
+    uint32_t *kept;            /* a range */
+    kdr_box *boxes;            /* a worker */
     kdr_source_counts *counts; /* a worker */
 } gathering;
 
 static void gather_range(void *context, size_t begin, size_t end, uint32_t worker) {
     gathering *g = context;
-    g->kept[begin / GATHER_GRAIN] =
-        g->source->boxes(g->source->context, (uint32_t)begin, (uint32_t)end, &g->to, (uint32_t)begin,
-                         &g->boxes[worker], &g->counts[worker]);
+    g->kept[begin / GATHER_GRAIN] = g->source->boxes(g->source->context, (uint32_t)begin, (uint32_t)end, &g->to,
+                                                     (uint32_t)begin, &g->boxes[worker], &g->counts[worker]);
 }
 
 static uint32_t close_gaps(const gathering *g, uint32_t count) {

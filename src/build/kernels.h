@@ -5,8 +5,8 @@
 #include "build/bins.h"
 #include "kdray/kdray.h"
 
-#define KDR_MASK_LIMIT 32                        /* primitives that fit one mask */
-#define KDR_MASK_PLANES (2 * KDR_MASK_LIMIT)     /* candidate planes on each axis */
+#define KDR_MASK_LIMIT 32                    /* primitives that fit one mask */
+#define KDR_MASK_PLANES (2 * KDR_MASK_LIMIT) /* candidate planes on each axis */
 
 /* For a node of at most 32 primitives: every candidate plane with the sets of primitives on its two sides. */
 typedef struct kdr_mask_table {
@@ -16,8 +16,8 @@ typedef struct kdr_mask_table {
 } kdr_mask_table;
 
 typedef struct kdr_build_kernels {
-    /* The cheapest bin boundary, on all axes, of a cell with `count` primitives whose bounds are `box`; the faces of the
-     * box are candidates too. Equal costs: the lower axis, then the faces, then the lower plane. */
+    /* The cheapest bin boundary, on all axes, of a cell with `count` primitives whose bounds are `box`; the faces of
+     * the box are candidates too. Equal costs: the lower axis, then the faces, then the lower plane. */
     kdr_split (*choose_binned)(const kdr_bins *bins, const kdr_bin_grid *grid, uint32_t count, const kdr_box *box,
                                const kdr_box *cell, const kdr_plan *plan);
 

@@ -46,11 +46,12 @@ static kdr_split choose_binned(const kdr_bins *bins, const kdr_bin_grid *grid, u
                 number[j] = (float)(i + j);
             kdr_lanes_f plane = grid->lo[k] + grid->width[k] * number;
             kdr_lanes_f n_left = __builtin_convertvector((kdr_lanes_i)kdr_lanes_load_u(left + i), kdr_lanes_f);
-            kdr_lanes_f n_right = __builtin_convertvector((kdr_lanes_i)(begun - kdr_lanes_load_u(right + i)), kdr_lanes_f);
+            kdr_lanes_f n_right =
+                __builtin_convertvector((kdr_lanes_i)(begun - kdr_lanes_load_u(right + i)), kdr_lanes_f);
             kdr_lanes_f cost = (face + rim * (plane - lo)) * n_left + (face + rim * (hi - plane)) * n_right;
             kdr_lane_bits inside = kdr_lanes_less(lo, plane) & kdr_lanes_less(plane, hi);
-            kdr_lanes_store(costs + i, kdr_lanes_choose(inside, plan->cost_traversal + weight * cost,
-                                                        kdr_lanes_all(INFINITY)));
+            kdr_lanes_store(costs + i,
+                            kdr_lanes_choose(inside, plan->cost_traversal + weight * cost, kdr_lanes_all(INFINITY)));
             kdr_lanes_store(planes + i, plane);
         }
         for (uint32_t i = 1; i < KDR_BIN_COUNT; i++)

@@ -1,7 +1,7 @@
-/* The last pass: nodes in canonical order (depth first, left before right), blocks in the order of their leaves, both in
- * memory of exactly their size. So the bytes of a finished tree do not tell who built it, and neighbours in space are
- * neighbours in memory.
- * Cost: one walk over the nodes by the committing thread, then the blocks are filled by all workers. */
+/* The last pass: nodes in canonical order (depth first, left before right), blocks in the order of their leaves, both
+ * in memory of exactly their size. So the bytes of a finished tree do not tell who built it, and neighbours in space
+ * are neighbours in memory. Cost: one walk over the nodes by the committing thread, then the blocks are filled by all
+ * workers. */
 #include "build/work.h"
 
 #include "base/primitives.h"
@@ -11,9 +11,9 @@
 
 /* A leaf whose block is to be filled. */
 typedef struct leaf_job {
-    kdr_node leaf;  /* as in the finished tree */
-    uint32_t ids;   /* first of its primitives among the growing lists */
-    uint32_t node;  /* its number in the finished tree */
+    kdr_node leaf; /* as in the finished tree */
+    uint32_t ids;  /* first of its primitives among the growing lists */
+    uint32_t node; /* its number in the finished tree */
     kdr_box cell;
 } leaf_job;
 

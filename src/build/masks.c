@@ -1,9 +1,9 @@
 /* Small nodes by bit masks: exact surface area heuristic without sorting or moving anything.
  *
  * A node of at most 32 primitives makes, once, for every begin and end of a box on every axis the set of primitives to
- * its left and to its right. From then on a node is one 32-bit set: the counts of a plane are two ANDs and two population
- * counts, a split is two ANDs. This takes the place of the sorted exact candidates of section 3.4 of the 2007 paper.
- * Cost: 192 planes a node, KDR_LANES at a time. */
+ * its left and to its right. From then on a node is one 32-bit set: the counts of a plane are two ANDs and two
+ * population counts, a split is two ANDs. This takes the place of the sorted exact candidates of section 3.4 of the
+ * 2007 paper. Cost: 192 planes a node, KDR_LANES at a time. */
 #include "build/work.h"
 
 typedef struct masked_node {
@@ -60,7 +60,8 @@ static void open_masked(const masking *m, const masked_node *at) {
 void kdr_expand_masked(kdr_build_state *state, kdr_build_worker *worker, const kdr_build_task *task) {
     uint32_t count = task->references.count;
     masking m = {.state = state, .worker = worker, .references = &task->references};
-    masked_node root = {count == 32 ? UINT32_MAX : (1u << count) - 1, task->node, task->depth, task->cell, task->budget};
+    masked_node root = {count == 32 ? UINT32_MAX : (1u << count) - 1, task->node, task->depth, task->cell,
+                        task->budget};
     if (!kdr_must_be_leaf(&state->plan, count, task->depth))
         state->kernels->masks(&task->references, &m.table);
     open_masked(&m, &root);

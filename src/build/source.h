@@ -1,4 +1,5 @@
-/* What a builder builds over: numbered primitives that have boxes and know how to fill a leaf. Builders know no more. */
+/* What a builder builds over: numbered primitives that have boxes and know how to fill a leaf. Builders know no more.
+ */
 #ifndef KDR_BUILD_SOURCE_H
 #define KDR_BUILD_SOURCE_H
 
@@ -17,8 +18,8 @@ typedef struct kdr_source {
     const void *context;
     uint32_t count;
 
-    /* Writes the boxes of those of [begin, end) that belong into the tree to places at, at + 1 ... and widens *bounds by
-     * them. Returns how many; adds the others to *counts. */
+    /* Writes the boxes of those of [begin, end) that belong into the tree to places at, at + 1 ... and widens *bounds
+     * by them. Returns how many; adds the others to *counts. */
     uint32_t (*boxes)(const void *context, uint32_t begin, uint32_t end, const kdr_references *to, uint32_t at,
                       kdr_box *bounds, kdr_source_counts *counts);
 

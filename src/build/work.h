@@ -8,7 +8,7 @@
 #include "build/chunks.h"
 #include "build/kernels.h"
 
-#define KDR_PAIRS_PER_CHUNK 4096
+#define KDR_PAIRS_PER_CHUNK 16384
 #define KDR_IDS_PER_CHUNK 65536
 
 /* Nodes of at most this many references live in one worker's arena and second-level cache. */
@@ -27,21 +27,21 @@ struct kdr_workshop {
     kdr_alloc *alloc;
     uint32_t worker_count;
     kdr_build_worker *workers;
-    kdr_bulk *bulk;     /* the device's */
-    kdr_chunks pairs;   /* of nodes, while the tree grows */
-    kdr_chunks ids;     /* of the leaves' primitives */
-    kdr_buffer layout;  /* for the final pass */
+    kdr_bulk *bulk;    /* the device's */
+    kdr_chunks pairs;  /* of nodes, while the tree grows */
+    kdr_chunks ids;    /* of the leaves' primitives */
+    kdr_buffer layout; /* for the final pass */
 };
 
 /* A node that is still to be opened. */
 typedef struct kdr_build_task {
     kdr_references references;
-    void *memory;      /* bulk memory that holds the references; NULL: they are in a worker's arena */
+    void *memory; /* bulk memory that holds the references; NULL: they are in a worker's arena */
     size_t memory_size;
     kdr_box cell;
-    kdr_box box;       /* bounds of the references, inside the cell */
-    uint64_t budget;   /* references that the leaves below may have together */
-    uint32_t node;     /* its number among the growing nodes */
+    kdr_box box;     /* bounds of the references, inside the cell */
+    uint64_t budget; /* references that the leaves below may have together */
+    uint32_t node;   /* its number among the growing nodes */
     uint32_t depth;
 } kdr_build_task;
 

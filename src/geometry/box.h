@@ -28,7 +28,8 @@ static inline void kdr_box_add(kdr_box *box, const kdr_box *other) {
 static inline double kdr_box_area(const kdr_box *box) {
     if (kdr_box_is_empty(box))
         return 0;
-    double x = (double)box->hi[0] - box->lo[0], y = (double)box->hi[1] - box->lo[1], z = (double)box->hi[2] - box->lo[2];
+    double x = (double)box->hi[0] - box->lo[0], y = (double)box->hi[1] - box->lo[1],
+           z = (double)box->hi[2] - box->lo[2];
     return x * y + y * z + z * x;
 }
 

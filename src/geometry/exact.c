@@ -10,9 +10,7 @@
  * at most the product of the largest magnitudes: 6 x 8 x 2^-53 < 2^-47. One more bit of slack. */
 static const double ERROR_PER_PRODUCT = 0x1p-46;
 
-static double largest3(double x, double y, double z) {
-    return fmax(fabs(x), fmax(fabs(y), fabs(z)));
-}
+static double largest3(double x, double y, double z) { return fmax(fabs(x), fmax(fabs(y), fabs(z))); }
 
 /* ------------------------------------------------------------------------------------------- the exact path */
 
@@ -69,8 +67,8 @@ static float distance_exact(const float o[3], const float d[3], const float a[3]
 }
 
 /* Signs of the three edge functions and estimates within a relative 2^-52. */
-static __attribute__((noinline)) bool edges_exact(const float o[3], const float d[3], const float a[3], const float b[3],
-                                                  const float c[3], double v[3]) {
+static __attribute__((noinline)) bool edges_exact(const float o[3], const float d[3], const float a[3],
+                                                  const float b[3], const float c[3], double v[3]) {
     const float *vertex[3] = {a, b, c};
     bool positive = false, negative = false;
     for (int i = 0; i < 3; i++) {

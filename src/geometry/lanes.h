@@ -1,8 +1,8 @@
 /* Vectors of KDR_LANES floats: types, and the words that C cannot say.
  *
- * Only files named *_lanes.c and headers for them include this; each is compiled once per instruction set with KDR_LANES
- * and KDR_ISA_NAME defined. Arithmetic, comparison and bit operators are those of GCC vector extensions; a comparison
- * gives a kdr_lanes_i of 0 and -1. Everything is static: no vector crosses a file. */
+ * Only files named *_lanes.c and headers for them include this; each is compiled once per instruction set with
+ * KDR_LANES and KDR_ISA_NAME defined. Arithmetic, comparison and bit operators are those of GCC vector extensions; a
+ * comparison gives a kdr_lanes_i of 0 and -1. Everything is static: no vector crosses a file. */
 #ifndef KDR_GEOMETRY_LANES_H
 #define KDR_GEOMETRY_LANES_H
 
@@ -41,21 +41,13 @@ KDR_LANES_INLINE kdr_lanes_u kdr_lanes_load_u(const uint32_t *from) {
     return v;
 }
 
-KDR_LANES_INLINE void kdr_lanes_store(float *to, kdr_lanes_f v) {
-    memcpy(to, &v, sizeof v);
-}
+KDR_LANES_INLINE void kdr_lanes_store(float *to, kdr_lanes_f v) { memcpy(to, &v, sizeof v); }
 
-KDR_LANES_INLINE void kdr_lanes_store_u(uint32_t *to, kdr_lanes_u v) {
-    memcpy(to, &v, sizeof v);
-}
+KDR_LANES_INLINE void kdr_lanes_store_u(uint32_t *to, kdr_lanes_u v) { memcpy(to, &v, sizeof v); }
 
-KDR_LANES_INLINE kdr_lanes_f kdr_lanes_all(float x) {
-    return x - (kdr_lanes_f){0};
-}
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_all(float x) { return x - (kdr_lanes_f){0}; }
 
-KDR_LANES_INLINE kdr_lanes_f kdr_lanes_abs(kdr_lanes_f v) {
-    return (kdr_lanes_f)((kdr_lanes_u)v & 0x7fffffffu);
-}
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_abs(kdr_lanes_f v) { return (kdr_lanes_f)((kdr_lanes_u)v & 0x7fffffffu); }
 
 #if defined(__x86_64__) && KDR_LANES > 1
 #include "geometry/lanes_x86.h"
@@ -77,8 +69,6 @@ KDR_LANES_INLINE float kdr_lanes_least(kdr_lanes_f v) {
     return least;
 }
 
-KDR_LANES_INLINE float kdr_lanes_most(kdr_lanes_f v) {
-    return -kdr_lanes_least(-v);
-}
+KDR_LANES_INLINE float kdr_lanes_most(kdr_lanes_f v) { return -kdr_lanes_least(-v); }
 
 #endif

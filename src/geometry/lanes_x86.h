@@ -6,13 +6,9 @@
 
 #if KDR_LANES == 16
 
-KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) {
-    return _mm512_min_ps(a, b);
-}
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) { return _mm512_min_ps(a, b); }
 
-KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) {
-    return _mm512_max_ps(a, b);
-}
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) { return _mm512_max_ps(a, b); }
 
 KDR_LANES_INLINE kdr_lane_bits kdr_lanes_bits(kdr_lanes_i comparison) {
     return _mm512_movepi32_mask((__m512i)comparison);
@@ -43,13 +39,9 @@ KDR_LANES_INLINE void kdr_lanes_compress_u(uint32_t *to, kdr_lane_bits bits, kdr
 
 #elif KDR_LANES == 8
 
-KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) {
-    return _mm256_min_ps(a, b);
-}
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) { return _mm256_min_ps(a, b); }
 
-KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) {
-    return _mm256_max_ps(a, b);
-}
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) { return _mm256_max_ps(a, b); }
 
 KDR_LANES_INLINE kdr_lane_bits kdr_lanes_bits(kdr_lanes_i comparison) {
     return (kdr_lane_bits)_mm256_movemask_ps((__m256)comparison);
@@ -92,13 +84,9 @@ KDR_LANES_INLINE void kdr_lanes_compress(float *to, kdr_lane_bits bits, kdr_lane
 
 #elif KDR_LANES == 4
 
-KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) {
-    return _mm_min_ps(a, b);
-}
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) { return _mm_min_ps(a, b); }
 
-KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) {
-    return _mm_max_ps(a, b);
-}
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) { return _mm_max_ps(a, b); }
 
 KDR_LANES_INLINE kdr_lane_bits kdr_lanes_bits(kdr_lanes_i comparison) {
     return (kdr_lane_bits)_mm_movemask_ps((__m128)comparison);

@@ -13,7 +13,7 @@ typedef struct kdr_ray_frame {
     float origin[3], direction[3];
     int axis_x, axis_y, axis_z;
     float shear_x, shear_y, scale_z; /* scale_z: 1 / direction on axis z */
-    float doubt; /* at least the error of a sheared coordinate of any point in the scene's box */
+    float doubt;                     /* at least the error of a sheared coordinate of any point in the scene's box */
 } kdr_ray_frame;
 
 /* False if the ray can hit nothing: a component is NaN or an infinite origin or direction, the direction is zero,

@@ -19,4 +19,17 @@ bool kdr_number_read_double(const char **p, const char *end, double *out);
 /* Digits with a sign; false also when it does not fit. */
 bool kdr_number_read_int(const char **p, const char *end, int64_t *out);
 
+/* The same; short numbers without a sign, which most are, need no call. */
+static inline bool kdr_number_read_index(const char **p, const char *end, int64_t *out) {
+    const char *q = *p;
+    int64_t value = 0;
+    for (; q < end && (unsigned char)(*q - '0') < 10 && value < 100000000; q++)
+        value = 10 * value + (*q - '0');
+    if (q == *p || value >= 100000000)
+        return kdr_number_read_int(p, end, out);
+    *p = q;
+    *out = value;
+    return true;
+}
+
 #endif

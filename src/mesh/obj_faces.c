@@ -31,7 +31,7 @@ static kdr_status read_corner(kdr_obj *obj, uint32_t numbers[KDR_OBJ_KINDS]) {
     numbers[KDR_OBJ_TEXTURE] = numbers[KDR_OBJ_NORMAL] = KDR_INVALID_ID;
     for (int kind = 0; kind < KDR_OBJ_KINDS; kind++) {
         int64_t number;
-        if (kdr_number_read_int(&p, text->end, &number)) {
+        if (kdr_number_read_index(&p, text->end, &number)) {
             kdr_status status = resolve(obj, kind, number, &numbers[kind]);
             if (status != KDR_OK)
                 return status;
@@ -64,8 +64,8 @@ static kdr_status begin_corner_normals(kdr_obj *obj) {
 /* Cuts the polygon into the mesh's next triangles, given as places in the polygon. */
 static void cut_polygon(const kdr_obj *obj, const uint32_t *positions, size_t count, uint32_t *triangles) {
     // A vertex that is yet to come has no place to judge the shape by: the polygon is then cut as a fan.
-    bool is_known = true;
-    for (size_t i = 0; i < count; i++)
+    bool is_known = count > 3;
+    for (size_t i = 0; i < count && is_known; i++)
         is_known &= positions[i] < obj->mesh->vertex_count;
     if (is_known) {
         kdr_triangulate(obj->mesh->positions, positions, count, triangles);

@@ -57,16 +57,25 @@ static bool read_library(kdr_obj *obj, kdr_word name) {
     return true;
 }
 
+/* A file that names itself on every line must not be read again for each of them. */
+#define MAX_LIBRARIES 64
+
 void kdr_obj_read_libraries(kdr_obj *obj) {
     const kdr_obj_library *libraries = obj->libraries.memory;
+    int opened = 0;
     for (size_t i = 0; i < obj->library_count && obj->source->siblings; i++) {
+        if (++opened > MAX_LIBRARIES) {
+            kdr_source_warn(obj->source, "line %zu: more than %d material files; the others are passed over",
+                            libraries[i].line, MAX_LIBRARIES);
+            return;
+        }
         // A name may hold blanks, a line several names.
         kdr_word names = libraries[i].names;
         if (names.length == 0 || obj->materials.count == 0 || read_library(obj, names))
             continue;
         kdr_text text = {names.start, names.start + names.length, 1, false};
         bool is_one = true;
-        while (!kdr_text_at_line_end(&text)) {
+        for (; !kdr_text_at_line_end(&text) && opened <= MAX_LIBRARIES; opened++) {
             kdr_word name = kdr_text_take_word(&text);
             is_one &= name.length == names.length;
             if (is_one || !read_library(obj, name))

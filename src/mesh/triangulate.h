@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 /* Polygons of more corners are always cut as a fan: the time for ears grows with the square of the corners. */
-#define KDR_EAR_CORNERS 128
+#define KDR_EAR_CORNERS 64
 
 /* Cuts a polygon of 3 to 2^32 - 1 corners, given as vertex numbers, into corner_count - 2 triangles. `triangles` gets
  * three corners each, as places in the polygon (0 to corner_count - 1).

@@ -71,8 +71,8 @@ static void interval(const kdr_room *room, const kdr_ray *ray, float *enter, flo
         if (direction[k] == 0)
             continue;
         float a = (room->extent.lo[k] - origin[k]) / direction[k], b = (room->extent.hi[k] - origin[k]) / direction[k];
-        *enter = fmaxf(*enter, fminf(a, b));
-        *leave = fminf(*leave, fmaxf(a, b));
+        *enter = kdr_larger(*enter, kdr_smaller(a, b));
+        *leave = kdr_smaller(*leave, kdr_larger(a, b));
     }
 }
 
@@ -93,7 +93,7 @@ void kdr_room_leave(const kdr_room *room, kdr_ray *ray) {
     interval(room, ray, &enter, &leave);
     float last = leave - margin(room, ray);
     if (last < ray->tmax)
-        ray->tmax = fmaxf(last, 0);
+        ray->tmax = kdr_larger(last, 0);
 }
 
 kdr_vector kdr_room_colour(const kdr_room *room, const kdr_texture *texture, uint32_t triangle, kdr_vector point) {

@@ -47,8 +47,8 @@ static inline kdr_ray kdr_view_ray(const kdr_view *view, float x, float y) {
 /* How far a hit point is lifted off its surface: 1e-4 of the distance it was seen from, or, where the coordinates are
  * so large that this is lost in their rounding, a few units in the last place. */
 static inline float kdr_shadow_lift(kdr_vector origin, kdr_vector point, float distance) {
-    float rounding = 0x1p-21f * fmaxf(kdr_vector_extent(origin), kdr_vector_extent(point));
-    return fmaxf(1e-4f * distance, rounding);
+    float rounding = 0x1p-21f * kdr_larger(kdr_vector_extent(origin), kdr_vector_extent(point));
+    return kdr_larger(1e-4f * distance, rounding);
 }
 
 /* From the point, lifted along its unit normal, to the light; distances are in units of the way to the light. */

@@ -4,7 +4,7 @@
 #define AMBIENT_FACING 0.10f
 
 kdr_vector kdr_shade_ambient(const kdr_surface *surface) {
-    float towards_viewer = fmaxf(0, kdr_vector_dot(surface->shading_normal, surface->viewer));
+    float towards_viewer = kdr_larger(0, kdr_vector_dot(surface->shading_normal, surface->viewer));
     return kdr_vector_scale(surface->diffuse, AMBIENT + AMBIENT_FACING * towards_viewer);
 }
 

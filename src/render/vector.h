@@ -8,6 +8,10 @@ typedef struct kdr_vector {
     float x, y, z;
 } kdr_vector;
 
+/* Without the library's calls, which care for NaN. */
+static inline float kdr_larger(float a, float b) { return a > b ? a : b; }
+static inline float kdr_smaller(float a, float b) { return a < b ? a : b; }
+
 static inline kdr_vector kdr_vector_of(const float v[3]) { return (kdr_vector){v[0], v[1], v[2]}; }
 
 static inline kdr_vector kdr_vector_add(kdr_vector a, kdr_vector b) {
@@ -31,7 +35,9 @@ static inline kdr_vector kdr_vector_mix(kdr_vector a, kdr_vector b, float t) {
 }
 
 /* The largest magnitude of a component. */
-static inline float kdr_vector_extent(kdr_vector a) { return fmaxf(fmaxf(fabsf(a.x), fabsf(a.y)), fabsf(a.z)); }
+static inline float kdr_vector_extent(kdr_vector a) {
+    return kdr_larger(kdr_larger(fabsf(a.x), fabsf(a.y)), fabsf(a.z));
+}
 
 /* Unit length; a zero vector stays zero. In double: neither huge nor tiny components spoil it. */
 static inline kdr_vector kdr_vector_unit(double x, double y, double z) {

@@ -32,7 +32,8 @@ static const char *def_problem(const kdr_build_def *def) {
 
 static bool same_build(const kdr_build_def *a, const kdr_build_def *b) {
     return a->cost_traversal == b->cost_traversal && a->cost_intersection == b->cost_intersection &&
-           a->leaf_limit == b->leaf_limit && a->depth_limit == b->depth_limit && a->reference_limit == b->reference_limit;
+           a->leaf_limit == b->leaf_limit && a->depth_limit == b->depth_limit &&
+           a->reference_limit == b->reference_limit;
 }
 
 /* Numbers the triangles of all geometries; NULL when there is no memory or the total is over the limit. */
@@ -40,7 +41,8 @@ static kdr_status number_triangles(kdr_scene *scene, uint32_t **out) {
     kdr_device *device = scene->device;
     uint32_t *first = kdr_alloc_array(&device->alloc, (size_t)scene->geometry_count + 1, sizeof *first, 64);
     if (!first)
-        return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for %u geometries", scene->geometry_count);
+        return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for %u geometries",
+                               scene->geometry_count);
     uint64_t total = 0;
     for (uint32_t g = 0; g < scene->geometry_count && total <= KDR_NODE_MAX_INDEX; g++) {
         first[g] = (uint32_t)total;

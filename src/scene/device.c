@@ -96,13 +96,9 @@ void kdr_device_destroy(kdr_device *device) {
     kdr_alloc_release(&alloc, device, sizeof *device);
 }
 
-kdr_isa kdr_device_isa(const kdr_device *device) {
-    return device->isa;
-}
+kdr_isa kdr_device_isa(const kdr_device *device) { return device->isa; }
 
-uint32_t kdr_device_worker_count(const kdr_device *device) {
-    return device->crew.worker_count;
-}
+uint32_t kdr_device_worker_count(const kdr_device *device) { return device->crew.worker_count; }
 
 size_t kdr_device_bytes(const kdr_device *device) {
     return atomic_load_explicit(&device->alloc.bytes, memory_order_relaxed);

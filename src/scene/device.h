@@ -19,8 +19,9 @@ struct kdr_device {
     void *log_user;
 };
 
-/* Tells the log and returns the status, so that a failure is one line: return kdr_device_fail(...). device may be NULL. */
+/* Tells the log and returns the status, so that a failure is one line: return kdr_device_fail(...). device may be NULL.
+ */
 __attribute__((format(printf, 3, 4))) kdr_status kdr_device_fail(const kdr_device *device, kdr_status status,
-                                                                const char *format, ...);
+                                                                 const char *format, ...);
 
 #endif

@@ -17,9 +17,7 @@ kdr_status kdr_scene_stats(const kdr_scene *scene, kdr_tree_stats *out) {
     return KDR_OK;
 }
 
-uint64_t kdr_scene_hash(const kdr_scene *scene) {
-    return scene->committed ? kdr_tree_hash(&scene->tree) : 0;
-}
+uint64_t kdr_scene_hash(const kdr_scene *scene) { return scene->committed ? kdr_tree_hash(&scene->tree) : 0; }
 
 kdr_status kdr_scene_verify(const kdr_scene *scene) {
     if (!scene)

@@ -1,9 +1,7 @@
 /* Queries: what a caller asks, in terms of traversals. Nothing here allocates, locks or fails. */
 #include "scene/scene.h"
 
-kdr_trace_def kdr_default_trace_def(void) {
-    return (kdr_trace_def){.size = sizeof(kdr_trace_def)};
-}
+kdr_trace_def kdr_default_trace_def(void) { return (kdr_trace_def){.size = sizeof(kdr_trace_def)}; }
 
 static inline void intersect(const kdr_scene *scene, const kdr_traversals *traversals, kdr_ray_hit *ray_hit) {
     kdr_found found;

@@ -61,7 +61,8 @@ kdr_status kdr_scene_add_triangles(kdr_scene *scene, const kdr_triangles_def *de
         kdr_alloc *alloc = &scene->device->alloc;
         kdr_triangles_def *more = kdr_alloc_array(alloc, capacity, sizeof *more, 64);
         if (!more)
-            return kdr_device_fail(scene->device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for %zu geometries", capacity);
+            return kdr_device_fail(scene->device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for %zu geometries",
+                                   capacity);
         if (scene->geometry_count > 0)
             memcpy(more, scene->geometries, scene->geometry_count * sizeof *more);
         kdr_alloc_release(alloc, scene->geometries, scene->geometry_capacity * sizeof *more);

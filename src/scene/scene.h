@@ -10,12 +10,12 @@ struct kdr_scene {
     kdr_triangles_def *geometries;
     uint32_t geometry_count;
     size_t geometry_capacity;
-    bool changed;              /* something was added, set or touched since the last commit */
+    bool changed; /* something was added, set or touched since the last commit */
 
     /* Of the last commit; queries read nothing else. */
     kdr_tree tree;
-    uint32_t *first;           /* first[g]: number of geometry g's first triangle; committed_count + 1 entries */
-    uint32_t committed_count;  /* geometries */
+    uint32_t *first;          /* first[g]: number of geometry g's first triangle; committed_count + 1 entries */
+    uint32_t committed_count; /* geometries */
     bool committed;
     kdr_build_def build;
     double build_seconds;

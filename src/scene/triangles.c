@@ -17,13 +17,9 @@ static inline void corners_of(const kdr_triangles_def *def, uint32_t triangle, u
             corner[i] = 3 * triangle + i;
 }
 
-static inline float least(float x, float y) {
-    return x < y ? x : y;
-}
+static inline float least(float x, float y) { return x < y ? x : y; }
 
-static inline float most(float x, float y) {
-    return x > y ? x : y;
-}
+static inline float most(float x, float y) { return x > y ? x : y; }
 
 /* True if a cross product in double says that the area is surely not zero; cheap, and nearly always true. */
 static inline bool surely_has_area(const float *a, const float *b, const float *c) {

@@ -11,17 +11,12 @@ extern const kdr_traversals kdr_traversals_neon;
 const kdr_traversals *kdr_traversals_for(kdr_isa isa) {
     switch (isa) {
 #if defined(__x86_64__)
-    case KDR_ISA_SSE42:
-        return &kdr_traversals_sse42;
-    case KDR_ISA_AVX2:
-        return &kdr_traversals_avx2;
-    case KDR_ISA_AVX512:
-        return &kdr_traversals_avx512;
+    case KDR_ISA_SSE42: return &kdr_traversals_sse42;
+    case KDR_ISA_AVX2: return &kdr_traversals_avx2;
+    case KDR_ISA_AVX512: return &kdr_traversals_avx512;
 #elif defined(__aarch64__)
-    case KDR_ISA_NEON:
-        return &kdr_traversals_neon;
+    case KDR_ISA_NEON: return &kdr_traversals_neon;
 #endif
-    default:
-        return &kdr_traversals_scalar;
+    default: return &kdr_traversals_scalar;
     }
 }

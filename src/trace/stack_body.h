@@ -1,11 +1,12 @@
-/* The standard traversal: front to back, with a stack of far children. Included after step.h with the same REAL and STEP.
+/* The standard traversal: front to back, with a stack of far children. Included after step.h with the same REAL and
+ * STEP.
  *
  * Invariant: the cells on the stack and the current one cover the rest of the ray's interval; the stack is ordered by
- * distance, but for the slack. Cells that begin behind the closest hit are left out; an equal distance is still visited,
- * since a lower primitive may wait there.
- * Cost: one plane crossing a node; depth is bounded by the builder, so the stack is never checked. */
+ * distance, but for the slack. Cells that begin behind the closest hit are left out; an equal distance is still
+ * visited, since a lower primitive may wait there. Cost: one plane crossing a node; depth is bounded by the builder, so
+ * the stack is never checked. */
 
-static inline __attribute__((always_inline)) bool STEP(walk)(const kdr_tree *tree, uint32_t root, const STEP(ray) *r,
+static inline __attribute__((always_inline)) bool STEP(walk)(const kdr_tree *tree, uint32_t root, const STEP(ray) * r,
                                                              const kdr_ray_frame *f, float tmin, float tmax,
                                                              const bool any, kdr_closest *closest) {
     struct {

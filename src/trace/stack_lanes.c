@@ -31,7 +31,7 @@
 
 /* A ray outside the range of float intervals: rare, so its code is kept apart. */
 static __attribute__((noinline)) bool walk_in_double(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray,
-                                                const kdr_ray_frame *f, bool any, kdr_closest *closest) {
+                                                     const kdr_ray_frame *f, bool any, kdr_closest *closest) {
     double_ray r;
     bool holds;
     if (!double_begin(&r, ray, &entry->box, &holds))

@@ -5,8 +5,8 @@
  * (denormal or huge directions, huge coordinates): same steps, wider numbers.
  *
  * Nothing may fall between two cells, so intervals are closed and never shorter than the true ones. A distance
- * t = (plane - origin) * reciprocal carries three roundings; `slack` is four roundings of the longest distance inside the
- * scene, so t - slack and t + slack enclose every true distance that lies inside. Where the ray lies in the plane,
+ * t = (plane - origin) * reciprocal carries three roundings; `slack` is four roundings of the longest distance inside
+ * the scene, so t - slack and t + slack enclose every true distance that lies inside. Where the ray lies in the plane,
  * t is NaN: every comparison with it is false, and both children are visited with the whole interval. */
 
 typedef struct STEP(ray) {
@@ -17,7 +17,7 @@ typedef struct STEP(ray) {
 } STEP(ray);
 
 /* Clips the ray to a box. False if it misses the box for sure. *holds says whether the error bound does. */
-static inline bool STEP(begin)(STEP(ray) *r, const kdr_ray *ray, const kdr_box *box, bool *holds) {
+static inline bool STEP(begin)(STEP(ray) * r, const kdr_ray *ray, const kdr_box *box, bool *holds) {
     const REAL origin[3] = {ray->origin_x, ray->origin_y, ray->origin_z};
     const REAL direction[3] = {ray->direction_x, ray->direction_y, ray->direction_z};
     const REAL slack = 4 * EPSILON, largest = LARGEST;
@@ -59,8 +59,8 @@ static inline bool STEP(begin)(STEP(ray) *r, const kdr_ray *ray, const kdr_box *
 /* Which children of a plane the interval [tmin, tmax] reaches. */
 typedef enum STEP(side) { STEP(near_only), STEP(far_only), STEP(both) } STEP(side);
 
-static inline __attribute__((always_inline)) STEP(side) STEP(cross)(const STEP(ray) *r, uint32_t axis, REAL plane, REAL tmin,
-                                                                    REAL tmax, REAL *near_tmax, REAL *far_tmin) {
+static inline __attribute__((always_inline)) STEP(side)
+    STEP(cross)(const STEP(ray) * r, uint32_t axis, REAL plane, REAL tmin, REAL tmax, REAL *near_tmax, REAL *far_tmin) {
     REAL t = (plane - r->origin[axis]) * r->reciprocal[axis];
     REAL sooner = t - r->slack, later = t + r->slack;
     *near_tmax = later < tmax ? later : tmax;

@@ -32,8 +32,6 @@ typedef struct kdr_traversals {
 /* The table for an instruction set that this machine has. */
 const kdr_traversals *kdr_traversals_for(kdr_isa isa);
 
-static inline kdr_entry kdr_entry_root(const kdr_tree *tree) {
-    return (kdr_entry){0, tree->bounds};
-}
+static inline kdr_entry kdr_entry_root(const kdr_tree *tree) { return (kdr_entry){0, tree->bounds}; }
 
 #endif

@@ -1,11 +1,11 @@
 /* One ray through the wide tree: sixteen tight boxes a step, KDR_LANES at a time, then leaves of SIMD blocks.
  *
- * Children that the ray meets are visited by their rank in the ray's octant, which is front to back, so nothing is sorted
- * by distance and a hit ends the search of all that begins behind it.
- * Invariants are those of step.h: a box is left out only if the ray misses it by more than the error of its six
- * distances; NaN (a ray in the plane of a face) leaves the interval as it was, since min and max return their second
- * operand. A box encloses all that its cell shows, so whatever the plain traversal finds is found here.
- * Cost: 512 bytes and about 25 operations a vector of boxes. Included after step.h in its float form. */
+ * Children that the ray meets are visited by their rank in the ray's octant, which is front to back, so nothing is
+ * sorted by distance and a hit ends the search of all that begins behind it. Invariants are those of step.h: a box is
+ * left out only if the ray misses it by more than the error of its six distances; NaN (a ray in the plane of a face)
+ * leaves the interval as it was, since min and max return their second operand. A box encloses all that its cell shows,
+ * so whatever the plain traversal finds is found here. Cost: 512 bytes and about 25 operations a vector of boxes.
+ * Included after step.h in its float form. */
 #ifndef KDR_TRACE_WIDE_LANES_H
 #define KDR_TRACE_WIDE_LANES_H
 
@@ -15,9 +15,9 @@
 /* A wide node with children still to be visited. */
 typedef struct wide_visit {
     const kdr_wide_node *node;
-    uint32_t left;          /* a bit a rank, front first */
+    uint32_t left;           /* a bit a rank, front first */
     uint8_t child[KDR_WIDE]; /* the child at a rank */
-    float enter[KDR_WIDE];  /* where the ray enters a child's box; by child */
+    float enter[KDR_WIDE];   /* where the ray enters a child's box; by child */
 } wide_visit;
 
 /* Finds the children whose boxes the ray meets no later than tmax. */

@@ -1,4 +1,5 @@
-/* What a leaf holds: one block of triangles in structure-of-arrays form, as long as the leaf, rounded up to groups of 4.
+/* What a leaf holds: one block of triangles in structure-of-arrays form, as long as the leaf, rounded up to groups
+ * of 4.
  *
  *   row         0    1    2    3    4    5    6    7    8    9
  *   each p long a.x  a.y  a.z  b.x  b.y  b.z  c.x  c.y  c.z  primitive        p = 4 x groups

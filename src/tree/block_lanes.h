@@ -113,7 +113,8 @@ KDR_LANES_INLINE void kdr_block_closest(const float *blocks, kdr_node leaf, cons
 }
 
 /* True if the leaf has a hit in (tmin, tmax]. */
-KDR_LANES_INLINE bool kdr_block_any(const float *blocks, kdr_node leaf, const kdr_ray_frame *f, float tmin, float tmax) {
+KDR_LANES_INLINE bool kdr_block_any(const float *blocks, kdr_node leaf, const kdr_ray_frame *f, float tmin,
+                                    float tmax) {
     kdr_block_rows rows = kdr_block_rows_of(blocks, leaf, f);
     for (uint32_t first = 0; first < rows.count; first += KDR_LANES) {
         for (kdr_lane_bits left = kdr_block_filter(&rows, f, first, tmin, tmax); left; left &= left - 1) {

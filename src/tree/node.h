@@ -28,13 +28,9 @@ static inline kdr_node kdr_node_leaf(uint32_t count, uint32_t first) {
     return (uint64_t)count << 32 | (uint64_t)first << 2 | KDR_NODE_LEAF;
 }
 
-static inline bool kdr_node_is_leaf(kdr_node node) {
-    return (node & 3) == KDR_NODE_LEAF;
-}
+static inline bool kdr_node_is_leaf(kdr_node node) { return (node & 3) == KDR_NODE_LEAF; }
 
-static inline uint32_t kdr_node_axis(kdr_node node) {
-    return node & 3;
-}
+static inline uint32_t kdr_node_axis(kdr_node node) { return node & 3; }
 
 static inline float kdr_node_plane(kdr_node node) {
     uint32_t bits = (uint32_t)(node >> 32);
@@ -44,16 +40,10 @@ static inline float kdr_node_plane(kdr_node node) {
 }
 
 /* Index of the left child; the right one follows. */
-static inline uint32_t kdr_node_child(kdr_node node) {
-    return ((uint32_t)node >> 2) * 2;
-}
+static inline uint32_t kdr_node_child(kdr_node node) { return ((uint32_t)node >> 2) * 2; }
 
-static inline uint32_t kdr_node_count(kdr_node node) {
-    return (uint32_t)(node >> 32);
-}
+static inline uint32_t kdr_node_count(kdr_node node) { return (uint32_t)(node >> 32); }
 
-static inline uint32_t kdr_node_first(kdr_node node) {
-    return (uint32_t)node >> 2;
-}
+static inline uint32_t kdr_node_first(kdr_node node) { return (uint32_t)node >> 2; }
 
 #endif

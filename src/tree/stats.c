@@ -1,7 +1,7 @@
 /* What a tree is made of, and what it costs.
  *
- * Source of the cost: J. D. MacDonald, K. S. Booth, "Heuristics for ray tracing using space subdivision", 1990: a ray that
- * meets the root's box meets a cell inside with probability area(cell) / area(root). */
+ * Source of the cost: J. D. MacDonald, K. S. Booth, "Heuristics for ray tracing using space subdivision", 1990: a ray
+ * that meets the root's box meets a cell inside with probability area(cell) / area(root). */
 #include "tree/walk.h"
 
 typedef struct counting {

@@ -7,11 +7,11 @@
 #include "tree/block.h"
 
 typedef struct kdr_tree {
-    kdr_node *nodes;       /* node 0 is the root; canonical order: depth first, left before right */
-    uint32_t node_count;   /* with the unused node 1 */
+    kdr_node *nodes;     /* node 0 is the root; canonical order: depth first, left before right */
+    uint32_t node_count; /* with the unused node 1 */
     float *blocks;
     uint32_t group_count;
-    kdr_box bounds;        /* of the primitives: the root's cell; empty if there are none */
+    kdr_box bounds; /* of the primitives: the root's cell; empty if there are none */
     uint64_t primitive_count;
     uint64_t dropped_count, degenerate_count;
     float cost_traversal, cost_intersection;

@@ -7,9 +7,8 @@
 /* Invariants
  *   every plane lies within its cell; axes, indices and blocks are in range; no path is longer than the depth limit
  *   a leaf's primitives are in ascending order, and each one's box meets the leaf's cell
- *   a primitive is in every leaf whose cell's inside its box meets; one that lies flat in a split plane may be on either
- *   side of it, but is on one
- *   every primitive of the tree is in some leaf: their number is that of the tree */
+ *   a primitive is in every leaf whose cell's inside its box meets; one that lies flat in a split plane may be on
+ * either side of it, but is on one every primitive of the tree is in some leaf: their number is that of the tree */
 typedef struct verifying {
     const char *wrong;
     uint64_t primitives;

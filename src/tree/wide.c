@@ -10,8 +10,8 @@ typedef struct opening {
     } inner[KDR_WIDE];
     uint32_t inner_count;
     struct {
-        uint32_t node;  /* of the tree */
-        float area;     /* negative: a leaf */
+        uint32_t node;          /* of the tree */
+        float area;             /* negative: a leaf */
         uint32_t parent, which; /* its place below an inner node */
     } member[KDR_WIDE];
     uint32_t member_count;

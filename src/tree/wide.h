@@ -2,8 +2,8 @@
  *
  * A node is the top of a subtree of the kd-tree, opened largest first until it has 16 members. Members lie in disjoint
  * cells, so for each octant of directions they have a fixed front-to-back order: no sorting, and early exit holds.
- * The box of a member is the union over its leaves of (triangle's box, cut to the leaf's cell): what the cell shows to a
- * ray, without its empty space.
+ * The box of a member is the union over its leaves of (triangle's box, cut to the leaf's cell): what the cell shows to
+ * a ray, without its empty space.
  *
  * An annex made from the finished tree. It shares the leaves, adds about 4 bytes a triangle, and holds nothing that the
  * tree does not say. 512 bytes a node. */
@@ -22,7 +22,8 @@ typedef struct kdr_wide_node {
 
 #define KDR_WIDE_LEAF 0x80000000u
 
-/* Makes the wide nodes. boxes has one entry a node: for leaf i its tight box; those of interior nodes are written here. A tree whose root is a leaf has no wide nodes. False when there is no memory. */
+/* Makes the wide nodes. boxes has one entry a node: for leaf i its tight box; those of interior nodes are written here.
+ * A tree whose root is a leaf has no wide nodes. False when there is no memory. */
 bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_box *boxes);
 
 #endif

@@ -35,7 +35,7 @@ static bool is_intact(const halving *h) {
 }
 
 typedef struct halvings {
-    _Atomic uint64_t ones;    /* leaves reached */
+    _Atomic uint64_t ones; /* leaves reached */
     _Atomic uint64_t torn;
     _Atomic uint64_t offered; /* offers that were taken */
     _Atomic uint64_t refused;

@@ -13,8 +13,8 @@
 
 #define MOST 100000
 
-static const size_t counts[] = {0, 1, 2, 100, KDR_SCAN_GRAIN - 1, KDR_SCAN_GRAIN, KDR_SCAN_GRAIN + 1,
-                                2 * KDR_SCAN_GRAIN, MOST};
+static const size_t counts[] = {
+    0, 1, 2, 100, KDR_SCAN_GRAIN - 1, KDR_SCAN_GRAIN, KDR_SCAN_GRAIN + 1, 2 * KDR_SCAN_GRAIN, MOST};
 #define COUNTS (sizeof(counts) / sizeof(*counts))
 
 typedef struct visits {

@@ -63,12 +63,9 @@ static void every_instruction_set_has_its_name(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ok_is_zero_and_statuses_count_up),
-        cmocka_unit_test(every_status_has_the_phrase_of_its_list),
-        cmocka_unit_test(no_two_statuses_share_a_phrase),
-        cmocka_unit_test(any_number_is_accepted_as_a_status),
-        cmocka_unit_test(version_is_that_of_the_header),
-        cmocka_unit_test(every_instruction_set_has_its_name),
+        cmocka_unit_test(ok_is_zero_and_statuses_count_up), cmocka_unit_test(every_status_has_the_phrase_of_its_list),
+        cmocka_unit_test(no_two_statuses_share_a_phrase),   cmocka_unit_test(any_number_is_accepted_as_a_status),
+        cmocka_unit_test(version_is_that_of_the_header),    cmocka_unit_test(every_instruction_set_has_its_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -23,8 +23,7 @@
 static void embree_add(RTCDevice device, RTCScene scene, const oracle_scene *oracle) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     size_t count = oracle->count;
-    float *vertices =
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * count);
+    float *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * count);
     uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, count);
     for (size_t i = 0; i < count; i++) {
         memcpy(vertices + 9 * i, oracle->primitives[i].a, 12);
@@ -52,8 +51,13 @@ static kdr_ray random_ray(test_random *random, const oracle_scene *oracle) {
         d[axis] = to->a[axis] * (1 - u - v) + to->b[axis] * u + to->c[axis] * v - o[axis];
     }
     float tmax = test_random_below(random, 4) ? INFINITY : test_random_between(random, 0, 1.5f);
-    return (kdr_ray){.origin_x = o[0], .origin_y = o[1], .origin_z = o[2], .direction_x = d[0], .direction_y = d[1],
-                     .direction_z = d[2], .tmax = tmax};
+    return (kdr_ray){.origin_x = o[0],
+                     .origin_y = o[1],
+                     .origin_z = o[2],
+                     .direction_x = d[0],
+                     .direction_y = d[1],
+                     .direction_z = d[2],
+                     .tmax = tmax};
 }
 
 static void compare_ray(const kdr_scene *scene, RTCScene other, const oracle_tree *tree, const kdr_ray *ray,
@@ -61,8 +65,18 @@ static void compare_ray(const kdr_scene *scene, RTCScene other, const oracle_tre
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     struct RTCRayHit closest = {0};
-    closest.ray = (struct RTCRay){ray->origin_x, ray->origin_y, ray->origin_z, ray->tmin, ray->direction_x,
-                                  ray->direction_y, ray->direction_z, 0, ray->tmax, UINT32_MAX, 0, 0};
+    closest.ray = (struct RTCRay){ray->origin_x,
+                                  ray->origin_y,
+                                  ray->origin_z,
+                                  ray->tmin,
+                                  ray->direction_x,
+                                  ray->direction_y,
+                                  ray->direction_z,
+                                  0,
+                                  ray->tmax,
+                                  UINT32_MAX,
+                                  0,
+                                  0};
     closest.hit.geomID = closest.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     struct RTCRay any = closest.ray;
     rtcIntersect1(other, &context, &closest);

@@ -166,6 +166,25 @@ static void material_files_beside_the_mesh_give_colours(void **state) {
     assert_int_equal(rmdir(folder), 0);
 }
 
+static void a_file_that_names_itself_as_its_materials_is_read_a_few_times_only(void **state) {
+    (void)state;
+    char folder[64], lines[100 * 14 + 1] = "";
+    make_folder(folder);
+    for (int i = 0; i < 100; i++)
+        strcat(lines, "mtllib m.obj\n");
+    char path[128], text[2000];
+    snprintf(text, sizeof text, "%s" OBJ, lines);
+    write_file(folder, "m.obj", text, strlen(text), path);
+    heard = (told){0};
+    kdr_mesh *mesh;
+    assert_int_equal(kdr_mesh_read(path, &hearing, &mesh), KDR_OK);
+    assert_int_equal(heard.warnings, 1);
+    assert_non_null(strstr(heard.warning, "line 65: more than 64 material files"));
+    close_mesh(mesh);
+    unlink(path);
+    assert_int_equal(rmdir(folder), 0);
+}
+
 static void a_wrong_line_is_named_with_what_was_expected(void **state) {
     (void)state;
     assert_text_refused("t.obj", "v 0 0 0\nv 1 2\n",
@@ -202,6 +221,7 @@ int main(void) {
         cmocka_unit_test(triangles_before_the_first_material_have_one_without_a_name),
         cmocka_unit_test(a_thousand_materials_are_told_apart),
         cmocka_unit_test(material_files_beside_the_mesh_give_colours),
+        cmocka_unit_test(a_file_that_names_itself_as_its_materials_is_read_a_few_times_only),
         cmocka_unit_test(a_wrong_line_is_named_with_what_was_expected),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

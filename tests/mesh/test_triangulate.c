@@ -68,12 +68,12 @@ static void a_comb_and_a_spiral_are_cut_without_overlap(void **state) {
     comb[180] = 59, comb[181] = 0, comb[183] = 0, comb[184] = 0;
     assert_partition(comb, corners, 62);
 
-    float spiral[3 * 80];
-    uint32_t around[80];
-    for (uint32_t i = 0; i < 40; i++) {
+    float spiral[3 * 60];
+    uint32_t around[60];
+    for (uint32_t i = 0; i < 30; i++) {
         double angle = 0.4 * (double)i, radius = 1 + 0.2 * angle;
         for (uint32_t side = 0; side < 2; side++) {
-            uint32_t at = side ? 79 - i : i;
+            uint32_t at = side ? 59 - i : i;
             double r = radius * (side ? 1.02 : 1);
             spiral[3 * at] = (float)(r * cos(angle));
             spiral[3 * at + 1] = (float)(r * sin(angle));
@@ -81,7 +81,7 @@ static void a_comb_and_a_spiral_are_cut_without_overlap(void **state) {
             around[at] = at;
         }
     }
-    assert_partition(spiral, around, 80);
+    assert_partition(spiral, around, 60);
 }
 
 static void degenerate_polygons_give_triangles_of_their_own_corners(void **state) {

@@ -17,15 +17,20 @@
 typedef __int128 wide;
 
 static kdr_ray ray_from(float ox, float oy, float oz, float dx, float dy, float dz) {
-    return (kdr_ray){.origin_x = ox, .origin_y = oy, .origin_z = oz, .tmin = 0,
-                     .direction_x = dx, .direction_y = dy, .direction_z = dz, .tmax = INFINITY};
+    return (kdr_ray){.origin_x = ox,
+                     .origin_y = oy,
+                     .origin_z = oz,
+                     .tmin = 0,
+                     .direction_x = dx,
+                     .direction_y = dy,
+                     .direction_z = dz,
+                     .tmax = INFINITY};
 }
 
 /* ---------------------------------------------------------------------------------------- integer arithmetic */
 
 static int64_t integer_determinant(const int64_t p[3], const int64_t q[3], const int64_t r[3]) {
-    return p[0] * (q[1] * r[2] - q[2] * r[1]) + p[1] * (q[2] * r[0] - q[0] * r[2]) +
-           p[2] * (q[0] * r[1] - q[1] * r[0]);
+    return p[0] * (q[1] * r[2] - q[2] * r[1]) + p[1] * (q[2] * r[0] - q[0] * r[2]) + p[2] * (q[0] * r[1] - q[1] * r[0]);
 }
 
 /* numerator / denominator rounded to 24 bits, ties to even, by long division; both below 2^62, the quotient normal. */
@@ -188,8 +193,8 @@ static void edges_and_vertices_are_inside_and_one_step_of_a_float_beyond_is_not(
         assert_true(oracle_triangle(&ray, corner_a, corner_b, corner_c, &t) && t == 1);
         assert_true(oracle_triangle(&ray, corner_c, corner_b, corner_a, &t) && t == 1);
     }
-    const float outside[][2] = {{-0x1p-149f, 0}, {1, 0x1p-149f}, {0, -0x1p-149f}, {1 + 0x1p-23f, 0},
-                                {0.5f, 0.5f + 0x1p-24f}};
+    const float outside[][2] = {
+        {-0x1p-149f, 0}, {1, 0x1p-149f}, {0, -0x1p-149f}, {1 + 0x1p-23f, 0}, {0.5f, 0.5f + 0x1p-24f}};
     for (size_t i = 0; i < sizeof(outside) / sizeof(outside[0]); i++) {
         kdr_ray ray = ray_from(outside[i][0], outside[i][1], 1, 0, 0, -1);
         assert_false(oracle_triangle(&ray, corner_a, corner_b, corner_c, &t));
@@ -259,8 +264,12 @@ static void of_equal_distances_the_lowest_geometry_then_the_lowest_primitive_win
     (void)state;
     float vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     uint32_t indices[9] = {0, 1, 2, 2, 1, 0, 0, 1, 2};
-    kdr_triangles_def def = {.vertices = vertices, .vertex_stride = 12, .vertex_count = 3,
-                             .indices = indices, .index_stride = 12, .triangle_count = 3};
+    kdr_triangles_def def = {.vertices = vertices,
+                             .vertex_stride = 12,
+                             .vertex_count = 3,
+                             .indices = indices,
+                             .index_stride = 12,
+                             .triangle_count = 3};
     kdr_triangles_def defs[2] = {def, def};
     oracle_scene scene = oracle_scene_create(defs, 2);
     assert_int_equal(scene.count, 6);
@@ -290,8 +299,8 @@ static void the_oracles_tree_answers_as_its_brute_force(void **state) {
         // Triangles on a coarse grid, on a fine one, and of floats of any bits.
         for (int i = 0; i < COUNT * 9; i++)
             vertices[i] = grid == 2 ? any_float(&random) : (float)test_random_below(&random, grid ? 4096 : 6);
-        kdr_triangles_def def = {.vertices = vertices, .vertex_stride = 12, .vertex_count = COUNT * 3,
-                                 .triangle_count = COUNT};
+        kdr_triangles_def def = {
+            .vertices = vertices, .vertex_stride = 12, .vertex_count = COUNT * 3, .triangle_count = COUNT};
         oracle_scene scene = oracle_scene_create(&def, 1);
         oracle_tree tree = oracle_tree_create(&scene);
         int hits = 0;

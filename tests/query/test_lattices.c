@@ -69,8 +69,14 @@ static kdr_ray half_step_ray(test_random *random, int steps) {
         }
     } while (v[3] == 0 && v[4] == 0 && v[5] == 0);
     float tmin = test_random_below(random, 4) ? 0 : -1;
-    return (kdr_ray){.origin_x = v[0], .origin_y = v[1], .origin_z = v[2], .tmin = tmin, .direction_x = v[3],
-                     .direction_y = v[4], .direction_z = v[5], .tmax = INFINITY};
+    return (kdr_ray){.origin_x = v[0],
+                     .origin_y = v[1],
+                     .origin_z = v[2],
+                     .tmin = tmin,
+                     .direction_x = v[3],
+                     .direction_y = v[4],
+                     .direction_z = v[5],
+                     .tmax = INFINITY};
 }
 
 static void rays_in_the_faces_of_a_lattice_hit_what_the_oracle_says(void **state) {
@@ -102,8 +108,13 @@ static void axis_parallel_rays_in_split_planes_hit_the_faces_across(void **state
                 float zero = sign ? -0.0f : 0.0f;
                 put_vertex(o, axis, sign ? CELLS + 0.5f : -0.5f, (float)(point % SIDE), (float)(point / SIDE));
                 put_vertex(d, axis, sign ? -1.0f : 1.0f, zero, zero);
-                rays[ray_count++] = (kdr_ray){.origin_x = o[0], .origin_y = o[1], .origin_z = o[2], .direction_x = d[0],
-                                              .direction_y = d[1], .direction_z = d[2], .tmax = INFINITY};
+                rays[ray_count++] = (kdr_ray){.origin_x = o[0],
+                                              .origin_y = o[1],
+                                              .origin_z = o[2],
+                                              .direction_x = d[0],
+                                              .direction_y = d[1],
+                                              .direction_z = d[2],
+                                              .tmax = INFINITY};
             }
         }
     }
@@ -139,8 +150,12 @@ static void hold_terrain(float (*height)(int, int), const char *label) {
     // Straight down on every vertex, edge middle and cell centre.
     for (int y = 0; y <= 2 * SIDE; y++)
         for (int x = 0; x <= 2 * SIDE; x++)
-            rays[ray_count++] = (kdr_ray){.origin_x = (float)x / 2, .origin_y = (float)y / 2, .origin_z = 10,
-                                          .direction_x = -0.0f, .direction_z = -1, .tmax = INFINITY};
+            rays[ray_count++] = (kdr_ray){.origin_x = (float)x / 2,
+                                          .origin_y = (float)y / 2,
+                                          .origin_z = 10,
+                                          .direction_x = -0.0f,
+                                          .direction_z = -1,
+                                          .tmax = INFINITY};
     hold_rays(triangles, count, rays, ray_count, ray_count, label);
     free(rays);
     free(triangles);
@@ -165,8 +180,11 @@ static void thousands_of_triangles_at_one_place_are_built_and_answered(void **st
         memcpy(triangles + 9 * i, one, sizeof(one));
     kdr_ray rays[RAYS];
     for (int i = 0; i < RAYS; i++)
-        rays[i] = (kdr_ray){.origin_x = (float)(i % 7) / 8 - 0.375f, .origin_y = (float)(i % 5) / 8 - 0.25f,
-                            .origin_z = 4, .direction_z = -1, .tmax = INFINITY};
+        rays[i] = (kdr_ray){.origin_x = (float)(i % 7) / 8 - 0.375f,
+                            .origin_y = (float)(i % 5) / 8 - 0.25f,
+                            .origin_z = 4,
+                            .direction_z = -1,
+                            .tmax = INFINITY};
     hold_rays(triangles, COPIES, rays, RAYS, RAYS, "copies");
     free(triangles);
 }

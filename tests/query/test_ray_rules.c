@@ -128,8 +128,8 @@ static void a_ray_with_nan_or_infinite_parts_or_without_direction_misses(void **
     for (size_t i = 0; i < sizeof(bad) / sizeof(bad[0]); i++) {
         for (size_t part = 0; part < 8; part++) {
             kdr_ray ray = downwards(0.75f, 0.25f);
-            float *parts[8] = {&ray.origin_x, &ray.origin_y, &ray.origin_z, &ray.direction_x,
-                               &ray.direction_y, &ray.direction_z, &ray.tmin, &ray.tmax};
+            float *parts[8] = {&ray.origin_x,    &ray.origin_y,    &ray.origin_z, &ray.direction_x,
+                               &ray.direction_y, &ray.direction_z, &ray.tmin,     &ray.tmax};
             *parts[part] = bad[i];
             bool allowed = (part == 6 && bad[i] == -INFINITY) || (part == 7 && bad[i] == INFINITY);
             assert_int_equal(hits(made.scene, &ray), allowed);

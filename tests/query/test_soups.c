@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#define RAYS TEST_SIZE(1100)    /* more than the longest run of one call */
+#define RAYS TEST_SIZE(1100)   /* more than the longest run of one call */
 #define FEW_RAYS TEST_SIZE(60) /* where the same scene is built many times */
 #define LONG_ROUNDS 200
 

@@ -56,8 +56,11 @@ static int setup(void **state) {
         float target[3];
         for (int axis = 0; axis < 3; axis++)
             target[axis] = (aim->a[axis] + aim->b[axis] + aim->c[axis]) / 3;
-        made->rays[i] = (kdr_ray){.origin_z = -4, .direction_x = target[0], .direction_y = target[1],
-                                  .direction_z = target[2] + 4, .tmax = INFINITY};
+        made->rays[i] = (kdr_ray){.origin_z = -4,
+                                  .direction_x = target[0],
+                                  .direction_y = target[1],
+                                  .direction_z = target[2] + 4,
+                                  .tmax = INFINITY};
     }
     made->old_sheet = query_sheet_create(&made->old_tree, made->rays, RAYS);
     made->old_hash = hash_of(made->old_soup.geometries);

@@ -72,14 +72,14 @@ static void statistics_fit_together_and_keep_the_limits(void **state) {
 static void triangles_left_out_are_counted_by_their_reason(void **state) {
     (void)state;
     static const float vertices[8][9] = {
-        {0, 0, 0, 1, 0, 0, 0, 1, 0},                  // sound
-        {0, 0, 0, 1, 0, 0, NAN, 1, 0},                // not finite
-        {0, 0, 0, 1, 0, -INFINITY, 0, 1, 0},          // not finite
-        {0, 0, 0, 1, 1, 1, 3, 3, 3},                  // a segment
+        {0, 0, 0, 1, 0, 0, 0, 1, 0},                   // sound
+        {0, 0, 0, 1, 0, 0, NAN, 1, 0},                 // not finite
+        {0, 0, 0, 1, 0, -INFINITY, 0, 1, 0},           // not finite
+        {0, 0, 0, 1, 1, 1, 3, 3, 3},                   // a segment
         {0.1f, 0.1f, 0.1f, 0.1f, 0.1f, 0.1f, 1, 2, 3}, // a segment
-        {2, 2, 2, 2, 2, 2, 2, 2, 2},                  // a point
-        {0, 0, 0, 0x1p-149f, 0, 0, 0, 0x1p-149f, 0},  // the smallest sound one
-        {0, 0, 0, NAN, NAN, NAN, 0, 0, 0},            // not finite
+        {2, 2, 2, 2, 2, 2, 2, 2, 2},                   // a point
+        {0, 0, 0, 0x1p-149f, 0, 0, 0, 0x1p-149f, 0},   // the smallest sound one
+        {0, 0, 0, NAN, NAN, NAN, 0, 0, 0},             // not finite
     };
     kdr_device *device;
     assert_int_equal(kdr_device_create(NULL, &device), KDR_OK);

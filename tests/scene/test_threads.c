@@ -82,8 +82,8 @@ static uint64_t hash_with(const kdr_device_def *def, const soup_scene *soup, con
 
 static void the_tree_does_not_depend_on_workers_or_backend(void **state) {
     (void)state;
-    static const char *const kinds[] = {"small", "large", "slabs", "boxes", "plane",
-                                        "needles", "mixed scales", "any bits"};
+    static const char *const kinds[] = {"small", "large",   "slabs",        "boxes",
+                                        "plane", "needles", "mixed scales", "any bits"};
     for (size_t kind = 0; kind < sizeof(kinds) / sizeof(kinds[0]); kind++) {
         test_random random = test_random_start(test_random_seed(), kind);
         soup_scene soup = soup_scene_create_kind(&random, soup_kind_find(kinds[kind]), TRIANGLES / (kind + 1));

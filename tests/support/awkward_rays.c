@@ -153,8 +153,15 @@ kdr_ray awkward_ray(test_random *random, const oracle_tree *tree) {
     float o[3], d[3];
     choose_origin(random, scene, o);
     choose_direction(random, scene, o, d);
-    kdr_ray ray = {.origin_x = o[0], .origin_y = o[1], .origin_z = o[2], .direction_x = d[0], .direction_y = d[1],
-                   .direction_z = d[2], .time = NAN, .mask = test_random_u32(random), .id = test_random_u32(random),
+    kdr_ray ray = {.origin_x = o[0],
+                   .origin_y = o[1],
+                   .origin_z = o[2],
+                   .direction_x = d[0],
+                   .direction_y = d[1],
+                   .direction_z = d[2],
+                   .time = NAN,
+                   .mask = test_random_u32(random),
+                   .id = test_random_u32(random),
                    .flags = test_random_u32(random)};
     choose_interval(random, tree, &ray);
     if (one_in(random, 30))

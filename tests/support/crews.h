@@ -10,8 +10,8 @@
 typedef struct test_crew {
     kdr_crew crew;
     const char *name;
-    kdr_alloc alloc;           /* of the threads */
-    kdr_thread_pool *threads;  /* NULL for hosts */
+    kdr_alloc alloc;          /* of the threads */
+    kdr_thread_pool *threads; /* NULL for hosts */
 
     /* what a start leaves for wait */
     kdr_task_fn *task;

@@ -18,8 +18,8 @@ test_random test_random_start(uint64_t seed, uint64_t sequence);
 
 uint32_t test_random_u32(test_random *random);
 uint64_t test_random_u64(test_random *random);
-uint32_t test_random_below(test_random *random, uint32_t limit);          /* [0, limit), limit > 0 */
-float test_random_float(test_random *random);                             /* [0, 1), a multiple of 2^-24 */
-float test_random_between(test_random *random, float low, float high);    /* low + (high - low) * [0, 1) */
+uint32_t test_random_below(test_random *random, uint32_t limit);       /* [0, limit), limit > 0 */
+float test_random_float(test_random *random);                          /* [0, 1), a multiple of 2^-24 */
+float test_random_between(test_random *random, float low, float high); /* low + (high - low) * [0, 1) */
 
 #endif

@@ -11,8 +11,8 @@ typedef void soup_fill_fn(test_random *random, float *triangles, size_t count);
 typedef struct soup_kind {
     const char *name;
     soup_fill_fn *fill;
-    size_t count;   /* of triangles that a scene of this kind should have */
-    bool is_exact;  /* most rays need exact arithmetic: fewer of them are asked */
+    size_t count;  /* of triangles that a scene of this kind should have */
+    bool is_exact; /* most rays need exact arithmetic: fewer of them are asked */
 } soup_kind;
 
 extern const soup_kind soup_kinds[];

@@ -68,8 +68,13 @@ static void shoot_run(void *context, uint32_t index) {
         float o[3], target[3];
         shot->origin(&random, o);
         choose_target(&random, shot->mesh, i % 3, target);
-        rays[i] = (kdr_ray){.origin_x = o[0], .origin_y = o[1], .origin_z = o[2], .direction_x = target[0] - o[0],
-                            .direction_y = target[1] - o[1], .direction_z = target[2] - o[2], .tmax = INFINITY};
+        rays[i] = (kdr_ray){.origin_x = o[0],
+                            .origin_y = o[1],
+                            .origin_z = o[2],
+                            .direction_x = target[0] - o[0],
+                            .direction_y = target[1] - o[1],
+                            .direction_z = target[2] - o[2],
+                            .tmax = INFINITY};
         hits[i].ray = rays[i];
     }
     kdr_intersect_n(shot->scene, NULL, hits, RUN);
@@ -169,8 +174,11 @@ static void rays_between_two_halves_of_a_torus_see_both(void **state) {
         origin_in_torus(&random, o);
         choose_target(&random, &mesh, 0, target);
         float length = i % 2 ? 1 : 0x1p-110f;
-        rays[i] = (kdr_ray){.origin_x = o[0], .origin_y = o[1], .direction_x = (target[0] - o[0]) * length,
-                            .direction_y = (target[1] - o[1]) * length, .tmax = INFINITY};
+        rays[i] = (kdr_ray){.origin_x = o[0],
+                            .origin_y = o[1],
+                            .direction_x = (target[0] - o[0]) * length,
+                            .direction_y = (target[1] - o[1]) * length,
+                            .tmax = INFINITY};
     }
     query_sheet sheet = query_sheet_create(&tree, rays, COUNT);
     assert_true(sheet.hit_count == COUNT);

@@ -1,0 +1,216 @@
+/* kdray info: what a mesh and its tree are made of. */
+#include "command.h"
+#include "output.h"
+#include "report.h"
+#include "signals.h"
+#include "tree_options.h"
+
+#include <inttypes.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { SCENES = 0x100, QUIET };
+
+typedef struct info_options {
+    const char *file;
+    bool scenes, quiet;
+    kdr_tree_options tree;
+} info_options;
+
+static const struct argp_option option_list[] = {
+    {"scenes", SCENES, NULL, 0, "List the built-in scenes", 1},
+    {"quiet", QUIET, NULL, 0, "No warnings and no progress", 10},
+    {0},
+};
+
+static const char description[] = "Print what a mesh and its tree are made of.\v"
+                                  "FILE is a mesh file (PLY, OBJ, STL and others, also gzipped) or "
+                                  "builtin:NAME[:TRIANGLES[:TIME]], a built-in scene.\n\n"
+                                  "Exit status: 0 done, 1 failed, 2 wrong usage.";
+
+static error_t parse_option(int key, char *text, struct argp_state *state) {
+    info_options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = &options->tree; break;
+    case SCENES: options->scenes = true; break;
+    case QUIET: options->quiet = true; break;
+    case ARGP_KEY_ARG:
+        if (options->file)
+            argp_error(state, "expected one mesh file, found \"%.40s\" as well", text);
+        options->file = text;
+        break;
+    case ARGP_KEY_END:
+        if (!options->file && !options->scenes)
+            argp_error(state, "expected a mesh file or builtin:NAME");
+        if (options->file && options->scenes)
+            argp_error(state, "--scenes: expected no mesh file, found \"%.40s\"", options->file);
+        break;
+    default: return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+static void list_scenes(void) {
+    const char *name;
+    for (size_t i = 0; (name = kdr_mesh_builtin_name(i)) != NULL; i++)
+        printf("%-12s %s\n", name, kdr_mesh_builtin_text(i));
+}
+
+/* All that is made on the way; what is not there is NULL. */
+typedef struct inspection {
+    const info_options *options;
+    kdr_messages *messages;
+    kdr_logger logger;
+    kdr_progress *progress;
+    kdr_device *device;
+    kdr_mesh *mesh;
+    kdr_scene *scene;
+    kdr_tree_stats stats;
+    double load_seconds;
+    float bounds[6];
+} inspection;
+
+static bool prepare(inspection *work) {
+    const char *json = work->options->tree.json;
+    if (json && strcmp(json, "-") != 0) {
+        if (kdr_output_same(json, work->options->file)) {
+            kdr_messages_fail(work->messages, "the JSON would replace the mesh file %s", json);
+            return false;
+        }
+        if (!kdr_output_check(json, work->messages))
+            return false;
+    }
+    work->device = kdr_tree_options_device(&work->options->tree, work->messages);
+    return work->device;
+}
+
+static bool load(inspection *work) {
+    kdr_progress_step(work->progress, "loading");
+    double begin = kdr_seconds();
+    kdr_status status = kdr_mesh_read(work->options->file, &work->logger, &work->mesh);
+    work->load_seconds = kdr_seconds() - begin;
+    if (status != KDR_OK) {
+        kdr_messages_fail_status(work->messages, work->options->file, status);
+        return false;
+    }
+    kdr_mesh_bounds(work->mesh, work->bounds);
+    return true;
+}
+
+static bool build(inspection *work) {
+    kdr_progress_step(work->progress, "building");
+    kdr_triangles_def def = kdr_default_triangles_def();
+    def.vertices = work->mesh->positions;
+    def.vertex_count = work->mesh->vertex_count;
+    def.indices = work->mesh->indices;
+    def.triangle_count = work->mesh->triangle_count;
+    kdr_status status = kdr_scene_create(work->device, &work->scene);
+    if (status == KDR_OK)
+        status = kdr_scene_add_triangles(work->scene, &def, NULL);
+    if (status == KDR_OK)
+        status = kdr_scene_commit(work->scene, &work->options->tree.build);
+    if (status == KDR_OK)
+        status = kdr_scene_stats(work->scene, &work->stats);
+    if (status != KDR_OK)
+        kdr_messages_fail_status(work->messages, "the tree was not built", status);
+    return status == KDR_OK;
+}
+
+/* ---- results */
+
+static void print_mesh(const inspection *work) {
+    const kdr_mesh *mesh = work->mesh;
+    const float *bounds = work->bounds;
+    printf("mesh\n");
+    printf("  format        %s\n", mesh->format);
+    printf("  vertices      %zu\n", mesh->vertex_count);
+    printf("  triangles     %zu\n", mesh->triangle_count);
+    printf("  materials     %zu\n", mesh->material_count);
+    printf("  normals       %s\n", mesh->normals ? "one a vertex" : "none");
+    if (bounds[0] <= bounds[3])
+        printf("  bounds        %g %g %g to %g %g %g\n", (double)bounds[0], (double)bounds[1], (double)bounds[2],
+               (double)bounds[3], (double)bounds[4], (double)bounds[5]);
+    else
+        printf("  bounds        none\n");
+    printf("  dropped       %zu (%zu vertices are not finite)\n", mesh->dropped_count, mesh->dropped_vertex_count);
+    printf("  degenerate    %" PRIu64 "\n", work->stats.degenerate_count);
+    printf("  load          %.1f ms\n", 1e3 * work->load_seconds);
+}
+
+static void put_materials(kdr_json *json, const kdr_mesh *mesh) {
+    kdr_json_array(json, "materials");
+    for (size_t i = 0; i < mesh->material_count; i++) {
+        kdr_json_object(json, NULL);
+        kdr_json_text(json, "name", mesh->materials[i].name);
+        kdr_json_floats(json, "diffuse", mesh->materials[i].diffuse, 3);
+        kdr_json_close(json, '}');
+    }
+    kdr_json_close(json, ']');
+}
+
+static bool write_json(inspection *work) {
+    const kdr_mesh *mesh = work->mesh;
+    kdr_output output;
+    if (!kdr_output_open(&output, work->options->tree.json, work->messages))
+        return false;
+    kdr_json json = kdr_json_begin(output.file);
+    kdr_json_text(&json, "file", work->options->file);
+    kdr_json_text(&json, "format", mesh->format);
+    kdr_json_whole(&json, "vertices", mesh->vertex_count);
+    kdr_json_whole(&json, "triangles", mesh->triangle_count);
+    kdr_json_whole(&json, "dropped", mesh->dropped_count);
+    kdr_json_whole(&json, "dropped_vertices", mesh->dropped_vertex_count);
+    kdr_json_whole(&json, "degenerate", work->stats.degenerate_count);
+    kdr_json_floats(&json, "bounds", work->bounds, 6);
+    put_materials(&json, mesh);
+    kdr_json_whole(&json, "threads", kdr_device_worker_count(work->device));
+    kdr_json_text(&json, "isa", kdr_isa_name(kdr_device_isa(work->device)));
+    kdr_json_real(&json, "load_ms", 1e3 * work->load_seconds);
+    kdr_json_real(&json, "build_ms", 1e3 * work->stats.build_seconds);
+    kdr_report_tree_json(&json, &work->stats);
+    kdr_json_end(&json);
+    return kdr_output_close(&output, work->messages);
+}
+
+static bool deliver(inspection *work) {
+    kdr_signals_defer();
+    const char *json = work->options->tree.json;
+    if (json && !write_json(work))
+        return false;
+    // Where stdout carries the JSON, it carries nothing else.
+    if (json && strcmp(json, "-") == 0)
+        return true;
+    print_mesh(work);
+    kdr_report_tree(stdout, &work->stats);
+    kdr_report_histograms(stdout, &work->stats, kdr_terminal_columns(STDOUT_FILENO));
+    return true;
+}
+
+int kdr_command_info(int argc, char **argv) {
+    info_options options = {.tree = kdr_default_tree_options()};
+    const struct argp_child children[] = {{&kdr_tree_argp, 0, NULL, 0}, {0}};
+    const struct argp parser = {.options = option_list,
+                                .parser = parse_option,
+                                .args_doc = "FILE\n--scenes",
+                                .doc = description,
+                                .children = children};
+    argp_parse(&parser, argc, argv, 0, NULL, &options);
+    if (options.scenes) {
+        list_scenes();
+        return KDR_EXIT_DONE;
+    }
+    kdr_signals_watch("kdray info");
+
+    kdr_progress progress = kdr_progress_make(options.quiet);
+    kdr_messages messages = {.command = "kdray info", .quiet = options.quiet, .progress = &progress};
+    inspection work = {
+        .options = &options, .messages = &messages, .logger = kdr_messages_logger(&messages), .progress = &progress};
+    bool done = prepare(&work) && load(&work) && build(&work);
+    kdr_progress_clear(&progress);
+    done = done && deliver(&work);
+
+    kdr_scene_destroy(work.scene);
+    kdr_mesh_destroy(work.mesh);
+    kdr_device_destroy(work.device);
+    return done ? KDR_EXIT_DONE : KDR_EXIT_FAILED;
+}
