@@ -115,9 +115,9 @@ const kdr_scene *kdr_bench_kdray_scene(const kdr_bench_engine *engine);
  * libembree3.so.3. Its version, such as "3.13.5"; NULL, and a sentence in *why, without it. */
 const char *kdr_bench_embree_version(const char **why);
 
-/* Embree with the quality that ends the name, "embree/low", "embree/medium" or "embree/high", as many threads as the
+/* Embree with the quality that ends the name ("embree/low", "embree/medium", "embree/high"), as many threads as the
  * scene's device has workers, and no wider instructions than the device uses. False after a sentence to the logger.
- * Only after kdr_bench_embree_version. */
+ * Only after kdr_bench_embree_version has found it. */
 bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *name, const kdr_logger *logger,
                            kdr_bench_engine *out);
 

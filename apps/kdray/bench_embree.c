@@ -97,17 +97,20 @@ typedef struct embree_state {
     RTCDevice device;
     RTCScene scene;
     RTCGeometry geometry;
-    float *vertices;       /* the mesh's, with room behind the last for loads of 16 bytes */
-    _Atomic int64_t bytes; /* what the device holds */
-    uint32_t width;        /* rays in a packet: 4, 8 or 16 */
+    float *vertices; /* the mesh's, with room behind the last for loads of 16 bytes */
+    int64_t bytes;   /* taken by all builds less what they gave back */
+    uint32_t width;  /* rays in a packet: 4, 8 or 16 */
 } embree_state;
 
 static embree_state *state_of(const kdr_bench_engine *engine) { return engine->state; }
 
+/* What all devices hold together. One engine builds at a time, so its share is a difference. */
+static _Atomic int64_t held_bytes;
+
 static bool count_bytes(void *user, ssize_t bytes, bool post) {
+    (void)user;
     (void)post;
-    embree_state *state = user;
-    atomic_fetch_add_explicit(&state->bytes, bytes, memory_order_relaxed);
+    atomic_fetch_add_explicit(&held_bytes, bytes, memory_order_relaxed);
     return true;
 }
 
@@ -278,16 +281,18 @@ static void trace_packet(const kdr_bench_engine *engine, const kdr_bench_rays *r
 /* ---- building */
 
 static bool build(kdr_bench_engine *engine) {
-    const embree_state *state = state_of(engine);
+    embree_state *state = state_of(engine);
+    int64_t held = atomic_load(&held_bytes);
     uint32_t before = flush_denormals();
     embree.rtcUpdateGeometryBuffer(state->geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     embree.rtcCommitGeometry(state->geometry);
     embree.rtcCommitScene(state->scene);
     restore_denormals(before);
+    state->bytes += atomic_load(&held_bytes) - held;
     return succeeded(engine);
 }
 
-static double bytes(const kdr_bench_engine *engine) { return (double)atomic_load(&state_of(engine)->bytes); }
+static double bytes(const kdr_bench_engine *engine) { return (double)state_of(engine)->bytes; }
 
 static void close_engine(kdr_bench_engine *engine) {
     embree_state *state = state_of(engine);
@@ -349,7 +354,7 @@ bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *name, const
         close_engine(out);
         return false;
     }
-    embree.rtcSetDeviceMemoryMonitorFunction(state->device, count_bytes, state);
+    embree.rtcSetDeviceMemoryMonitorFunction(state->device, count_bytes, NULL);
     if (embree.rtcGetDeviceProperty(state->device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED))
         state->width = 16;
     else if (embree.rtcGetDeviceProperty(state->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED))

@@ -83,8 +83,7 @@ bool kdr_bench_known(const char *beginning) { return kdr_bench_wanted(&(kdr_benc
 
 /* ---- engines and rows */
 
-/* Takes the engine just opened in; builds it for the first time; makes a row for each of its tracers that is asked for.
- */
+/* Takes in the engine just opened: builds it for the first time and makes a row for each of its tracers asked for. */
 static bool take_engine(measuring *m) {
     uint32_t number = m->engine_count++;
     kdr_bench_engine *engine = &m->engines[number];

@@ -2,7 +2,7 @@
  *
  * Primary rays look through the pixels' centres of a pinhole camera, block by block of 64x64 pixels, each block as
  * tiles of 8x8. Every primary hit sends a shadow ray to the point light and four rays that are distributed by the
- * cosine to the normal. These leave the surface lifted by 1e-4 of the distance from the eye, along the normal on the
+ * cosine to the normal. These begin above the surface, by 1e-4 of the distance from the eye along the normal on the
  * eye's side: whether they meet anything is then a question about the scene, not about rounding at their start. Chance
  * depends on the pixel alone, so that a run can be repeated. */
 #include "bench.h"
@@ -98,8 +98,8 @@ static bool make_primary(const kdr_bench_scene *scene, kdr_ray *rays) {
 
     /* Blocks, tiles and pixels in rows from the top; what lies outside the picture is left out. */
     size_t count = 0;
-    uint32_t columns = (scene->width + BLOCK_SIDE - 1) / BLOCK_SIDE,
-             lines = (scene->height + BLOCK_SIDE - 1) / BLOCK_SIDE;
+    uint32_t columns = (scene->width + BLOCK_SIDE - 1) / BLOCK_SIDE;
+    uint32_t lines = (scene->height + BLOCK_SIDE - 1) / BLOCK_SIDE;
     for (uint32_t block = 0; block < columns * lines; block++) {
         for (uint32_t i = 0; i < BLOCK_SIDE * BLOCK_SIDE; i++) {
             uint32_t tile = i / (TILE_SIDE * TILE_SIDE), tiles = BLOCK_SIDE / TILE_SIDE;

@@ -1,6 +1,5 @@
 /* kdray bench: its options, the scenes one after the other, and where the results go. */
 #include "bench.h"
-#include "command.h"
 #include "memory.h"
 #include "whole_file.h"
 
@@ -266,8 +265,7 @@ static bool measure_list(const char *const *paths, size_t count, const bench_req
     return good;
 }
 
-/* The pattern of all .ply files in a folder; characters of its name that mean something in patterns stand for
- * themselves. */
+/* The pattern of all .ply files in a folder, whose name may hold characters that mean something in patterns. */
 static char *pattern_of(const char *folder) {
     static const char ending[] = "/*.ply";
     char *pattern = kdr_memory_get(2 * strlen(folder) + sizeof ending, 1);
@@ -328,13 +326,11 @@ int kdr_command_bench(int argc, char **argv) {
         .options = option_list,
         .parser = read_option,
         .args_doc = "[FILE...]",
-        .doc =
-            "Measure kdray, and Embree where it is installed, on the same rays in the same run."
-            "\vFILE is a mesh file, with a view of it in a .cam file beside it where there is one, or a built-in "
-            "scene, "
-            "builtin:NAME[:TRIANGLES]. Without FILE: every .ply file of the folder that the environment variable "
-            "KDRAY_SCENES names, or two built-in scenes. Speeds are in million rays a second; the image takes build, "
-            "primary and shadow rays together. KDRAY_EMBREE names the Embree library to load."};
+        .doc = "Measure kdray, and Embree where it is installed, on the same rays in the same run."
+               "\vFILE is a mesh file, with a view of it in a .cam file beside it where there is one, or a built-in "
+               "scene, builtin:NAME[:TRIANGLES]. Without FILE: every .ply file of the folder that the environment "
+               "variable KDRAY_SCENES names, or two built-in scenes. Speeds are in million rays a second; the image "
+               "takes build, primary and shadow rays together. KDRAY_EMBREE names the Embree library to load."};
     bench_request request = {.options = {.rounds = 5, .build = kdr_default_build_def()},
                              .width = 1024,
                              .height = 1024,

@@ -13,6 +13,10 @@
 
 #include <cmocka.h>
 
+/* The thread sanitizer sees neither Embree's threads nor what keeps them in order. */
+__attribute__((visibility("default"))) const char *__tsan_default_options(void);
+const char *__tsan_default_options(void) { return "ignore_noninstrumented_modules=1"; }
+
 #define TEXT_SIZE 65536
 #define PATH_SIZE 256
 #define ARGUMENTS 24
@@ -252,8 +256,9 @@ static void instruction_sets_and_threads_change_no_hit(void **state) {
     static const char *const isas[] = {"scalar", "sse42", "avx2"};
     double hits = 0;
     for (size_t i = 0; i < 3; i++) {
-        assert_int_equal(
-            bench("builtin:flake:500", "--isa", isas[i], "-t", i ? "3" : "1", "--csv", path_of("a.csv"), NULL), 0);
+        const char *threads = i ? "3" : "1";
+        assert_int_equal(bench("builtin:flake:500", "--isa", isas[i], "-t", threads, "--csv", path_of("a.csv"), NULL),
+                         0);
         char line[64];
         snprintf(line, sizeof line, "# instruction set: %s\n", isas[i]);
         static char text[TEXT_SIZE];
@@ -321,13 +326,12 @@ static void a_camera_beside_the_mesh_is_used(void **state) {
 
 static void a_scene_that_fails_does_not_stop_the_others(void **state) {
     (void)state;
-    assert_int_equal(
-        bench(path_of("missing.ply"), "builtin:flake:500", "--only", "kdray/single", "--csv", path_of("a.csv"), NULL),
-        1);
+    const char *missing = path_of("missing.ply");
+    assert_int_equal(bench(missing, "builtin:flake:500", "--only", "kdray", "--csv", path_of("a.csv"), NULL), 1);
     assert_non_null(strstr(complained, "missing.ply"));
     read_csv("a.csv", &csv);
-    assert_int_equal(csv.rows, 1);
-    assert_int_equal(bench(path_of("missing.ply"), "--json", path_of("a.json"), NULL), 1);
+    assert_int_equal(csv.rows, 2);
+    assert_int_equal(bench(missing, "--json", path_of("a.json"), NULL), 1);
     assert_false(exists("a.json"));
 }
 
@@ -369,10 +373,10 @@ static void quiet_prints_nothing(void **state) {
 static void build_constants_reach_the_builder(void **state) {
     (void)state;
     assert_int_equal(bench("builtin:flake:2000", "--only", "kdray/single", "--csv", path_of("a.csv"), NULL), 0);
-    assert_int_equal(bench("builtin:flake:2000", "--only", "kdray/single", "--csv", path_of("b.csv"),
-                           "--traversal-cost", "2.5", "--intersection-cost", "1.5", "--leaf-limit", "2000",
-                           "--depth-limit", "1", "--reference-limit", "1.25", NULL),
-                     0);
+    int status = bench("builtin:flake:2000", "--only", "kdray/single", "--csv", path_of("b.csv"), "--traversal-cost",
+                       "2.5", "--intersection-cost", "1.5", "--leaf-limit", "2000", "--depth-limit", "1",
+                       "--reference-limit", "1.25", NULL);
+    assert_int_equal(status, 0);
     read_csv("a.csv", &csv);
     double usual = number(&csv, 0, "bytes_per_triangle"), hits = number(&csv, 0, "hits");
     static char text[TEXT_SIZE];

@@ -82,8 +82,8 @@ static void csv_opens_with_comments_and_has_a_line_of_names_and_a_line_a_row(voi
     assert_non_null(strstr(text, "\nscene,tracer,threads,triangles,build_ms,build_cold_ms,primary,shadow,ao,diffuse,"
                                  "image_ms,bytes_per_triangle,hits,occluded,ao_occluded,diffuse_hits\n"));
     assert_non_null(strstr(text, "\nplain,kdray/stream,2,69451,5,7.25,100,50,25,12.5,30,91.5,1000,400,2000,2000\n"));
-    assert_non_null(
-        strstr(text, "\nplain,embree/medium/packet,2,69451,10,14.5,50,100,50,12.5,45,66.875,1000,399,2000,2003\n"));
+    assert_non_null(strstr(text, "\nplain,embree/medium/packet,2,69451,10,14.5,50,100,50,12.5,45,66.875,"
+                                 "1000,399,2000,2003\n"));
 }
 
 static void a_kind_without_rays_has_no_speed_in_csv_and_null_in_json(void **state) {
@@ -91,8 +91,8 @@ static void a_kind_without_rays_has_no_speed_in_csv_and_null_in_json(void **stat
     write_text(write_csv);
     assert_non_null(strstr(text, "kdray/stream,1,3,0.5,1,20,,,,2,800,0,0,0,0\n"));
     write_text(write_json);
-    assert_non_null(
-        strstr(text, "\"primary\": 20, \"shadow\": null, \"ao\": null, \"diffuse\": null, \"image_ms\": 2,"));
+    assert_non_null(strstr(text, "\"primary\": 20, \"shadow\": null, \"ao\": null, \"diffuse\": null, "
+                                 "\"image_ms\": 2,"));
 }
 
 static void names_with_quotes_and_commas_stay_one_field(void **state) {
@@ -100,8 +100,8 @@ static void names_with_quotes_and_commas_stay_one_field(void **state) {
     write_text(write_csv);
     assert_non_null(strstr(text, "\n\"with \"\"quotes\"\", a comma and a \\\",kdray/stream,1,"));
     write_text(write_json);
-    assert_non_null(
-        strstr(text, "{\"scene\": \"with \\\"quotes\\\", a comma and a \\\\\", \"tracer\": \"kdray/stream\""));
+    assert_non_null(strstr(text, "{\"scene\": \"with \\\"quotes\\\", a comma and a \\\\\", "
+                                 "\"tracer\": \"kdray/stream\""));
 }
 
 static void json_is_one_list_with_an_object_a_row(void **state) {
@@ -113,11 +113,11 @@ static void json_is_one_list_with_an_object_a_row(void **state) {
     for (const char *at = text; (at = strstr(at, "{\"scene\": ")); at++)
         objects++;
     assert_int_equal(objects, ROWS);
-    assert_non_null(
-        strstr(text, "\"tracer\": \"embree/medium/packet\", \"threads\": 2, \"triangles\": 69451, \"build_ms\": 10, "
-                     "\"build_cold_ms\": 14.5, \"primary\": 50, \"shadow\": 100, \"ao\": 50, \"diffuse\": 12.5, "
-                     "\"image_ms\": 45, \"bytes_per_triangle\": 66.875, \"hits\": 1000, \"occluded\": 399, "
-                     "\"ao_occluded\": 2000, \"diffuse_hits\": 2003}"));
+    assert_non_null(strstr(text, "\"tracer\": \"embree/medium/packet\", \"threads\": 2, \"triangles\": 69451, "
+                                 "\"build_ms\": 10, \"build_cold_ms\": 14.5, \"primary\": 50, \"shadow\": 100, "
+                                 "\"ao\": 50, \"diffuse\": 12.5, "
+                                 "\"image_ms\": 45, \"bytes_per_triangle\": 66.875, \"hits\": 1000, \"occluded\": 399, "
+                                 "\"ao_occluded\": 2000, \"diffuse_hits\": 2003}"));
 }
 
 static void no_rows_are_an_empty_list(void **state) {
