@@ -3,6 +3,7 @@
  * Everything that can be found wrong before the work is: options, the view, the reference picture, names that cannot be
  * written. Then load, build and trace, and the results go out in the order picture, JSON, text. */
 #include "command.h"
+#include "fit_view.h"
 #include "render_options.h"
 #include "report.h"
 #include "signals.h"
@@ -101,6 +102,11 @@ static void set_view(rendering *work) {
         kdr_mesh_bounds(work->mesh, bounds);
         picture->camera = kdr_camera_for_bounds(bounds);
         kdr_light_for_bounds(bounds, picture->lights[0]);
+
+        // Who says nothing of the camera sees the whole model; the room of --box is made for the plain one.
+        bool framed = options->eye_given || options->target_given || options->up_given || options->fov_given;
+        if (!framed && !picture->box)
+            kdr_fit_view(&picture->camera, bounds, picture->width, picture->height);
     }
     if (options->eye_given)
         memcpy(picture->camera.eye, options->camera.eye, sizeof(picture->camera.eye));

@@ -14,7 +14,7 @@
 
 /* A wide node with children still to be visited. */
 typedef struct wide_visit {
-    float enter[KDR_WIDE];   /* where the ray enters a child's box; by child */
+    float enter[KDR_WIDE]; /* where the ray enters a child's box; by child */
     const kdr_wide_node *node;
     uint32_t left;           /* a bit a rank, front first */
     uint8_t child[KDR_WIDE]; /* the child at a rank */
