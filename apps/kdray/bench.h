@@ -9,14 +9,13 @@
 #ifndef KDR_APPS_KDRAY_BENCH_H
 #define KDR_APPS_KDRAY_BENCH_H
 
+#include "progress.h"
+
 #include <kdray/render.h>
 #include <stdio.h>
 
 /* Rays in one call of a tracer: a block of 64x64 pixels. */
 #define KDR_BENCH_BLOCK 4096u
-
-/* The command; argv[0] is its name. Returns the exit status. */
-int kdr_command_bench(int argc, char **argv);
 
 /* ---- rays */
 
@@ -154,14 +153,11 @@ typedef struct kdr_bench_row {
 /* The tracers that there are: three engines of Embree and kdray, two tracers each. */
 #define KDR_BENCH_ROW_LIMIT (4 * KDR_BENCH_ENGINE_TRACERS)
 
-/* What happens, in a few words, after each timed step: finished of total. */
-typedef void kdr_bench_progress_fn(const char *what, uint64_t finished, uint64_t total, void *user);
-
 /* Measures every tracer that is asked for and there; *row_count gets the number of rows. False after a sentence to the
  * logger. with_embree false: leaves Embree alone. */
 bool kdr_bench_measure(const kdr_bench_scene *scene, const kdr_bench_options *options, bool with_embree,
-                       const kdr_logger *logger, kdr_bench_progress_fn *progress, void *progress_user,
-                       kdr_bench_row rows[KDR_BENCH_ROW_LIMIT], uint32_t *row_count);
+                       const kdr_logger *logger, kdr_progress *progress, kdr_bench_row rows[KDR_BENCH_ROW_LIMIT],
+                       uint32_t *row_count);
 
 /* ---- reports */
 

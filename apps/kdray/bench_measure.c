@@ -7,7 +7,6 @@
 #include "memory.h"
 
 #include <string.h>
-#include <time.h>
 
 #define ENGINE_LIMIT (KDR_BENCH_ROW_LIMIT / KDR_BENCH_ENGINE_TRACERS)
 
@@ -25,22 +24,11 @@ typedef struct measuring {
     kdr_bench_sheet sheet;
     double *build_seconds; /* [engine][round] */
     double *trace_seconds; /* [row][kind][round] */
-    kdr_bench_progress_fn *progress;
-    void *progress_user;
+    kdr_progress *progress;
     uint64_t finished, total;
 } measuring;
 
-static double seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
-}
-
-static void tell(measuring *m, const char *what) {
-    m->finished++;
-    if (m->progress)
-        m->progress(what, m->finished, m->total, m->progress_user);
-}
+static void finish_step(measuring *m) { kdr_progress_update(m->progress, m->scene->name, ++m->finished, m->total); }
 
 /* ---- names */
 
@@ -87,10 +75,10 @@ bool kdr_bench_known(const char *beginning) { return kdr_bench_wanted(&(kdr_benc
 static bool take_engine(measuring *m) {
     uint32_t number = m->engine_count++;
     kdr_bench_engine *engine = &m->engines[number];
-    double begin = seconds();
+    double begin = kdr_seconds();
     if (!engine->build(engine))
         return false;
-    double cold = seconds() - begin;
+    double cold = kdr_seconds() - begin;
     double triangles = (double)m->scene->mesh->triangle_count;
     for (uint32_t i = 0; i < KDR_BENCH_ENGINE_TRACERS; i++) {
         char name[KDR_BENCH_NAME_SIZE];
@@ -108,7 +96,7 @@ static bool take_engine(measuring *m) {
         memcpy(row->scene, m->scene->name, sizeof row->scene);
         memcpy(row->tracer, name, sizeof row->tracer);
     }
-    tell(m, engine->name);
+    finish_step(m);
     return true;
 }
 
@@ -134,11 +122,11 @@ static bool time_build(measuring *m, uint32_t number, uint32_t round) {
     if (!m->timed[number])
         return true;
     kdr_bench_engine *engine = &m->engines[number];
-    double begin = seconds();
+    double begin = kdr_seconds();
     if (!engine->build(engine))
         return false;
-    m->build_seconds[number * m->options->rounds + round] = seconds() - begin;
-    tell(m, engine->name);
+    m->build_seconds[number * m->options->rounds + round] = kdr_seconds() - begin;
+    finish_step(m);
     return true;
 }
 
@@ -163,12 +151,12 @@ static void time_trace(measuring *m, uint32_t row, kdr_bench_kind kind, uint32_t
     trace_call call = {&m->engines[m->row_engine[row]], m->row_tracer[row], &m->workload.kinds[kind], &m->sheet};
     size_t count = call.rays->count;
     kdr_bench_run(m->scene, count, fill_block, &call);
-    double begin = seconds();
+    double begin = kdr_seconds();
     kdr_bench_run(m->scene, count, trace_block, &call);
-    m->trace_seconds[(row * KDR_BENCH_KINDS + kind) * m->options->rounds + round] = seconds() - begin;
+    m->trace_seconds[(row * KDR_BENCH_KINDS + kind) * m->options->rounds + round] = kdr_seconds() - begin;
     if (round == 0)
         m->rows[row].hits[kind] = call.tracer->count(call.engine, call.rays, 0, count, call.sheet);
-    tell(m, m->rows[row].tracer);
+    finish_step(m);
 }
 
 /* The i-th of `count` in the order of a round. */
@@ -217,11 +205,11 @@ static void take_medians(measuring *m) {
 }
 
 bool kdr_bench_measure(const kdr_bench_scene *scene, const kdr_bench_options *options, bool with_embree,
-                       const kdr_logger *logger, kdr_bench_progress_fn *progress, void *progress_user,
-                       kdr_bench_row rows[KDR_BENCH_ROW_LIMIT], uint32_t *row_count) {
+                       const kdr_logger *logger, kdr_progress *progress, kdr_bench_row rows[KDR_BENCH_ROW_LIMIT],
+                       uint32_t *row_count) {
     measuring *m = kdr_memory_get(1, sizeof *m);
-    *m = (measuring){
-        .scene = scene, .options = options, .rows = rows, .progress = progress, .progress_user = progress_user};
+    *m = (measuring){.scene = scene, .options = options, .rows = rows, .progress = progress};
+    kdr_progress_step(progress, "building");
     bool good = open_engines(m, with_embree, logger);
     if (good) {
         make_room(m);

@@ -1,5 +1,6 @@
 /* Medians, and rows as tables for people, as CSV and as JSON. */
 #include "bench.h"
+#include "json.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -108,56 +109,37 @@ static void write_csv_text(FILE *out, const char *text) {
     fputc('"', out);
 }
 
-static void write_json_text(FILE *out, const char *text) {
-    fputc('"', out);
-    for (; *text; text++) {
-        unsigned char c = (unsigned char)*text;
-        if (c == '"' || c == '\\')
-            fprintf(out, "\\%c", c);
-        else if (c < ' ')
-            fprintf(out, "\\u%04x", c);
-        else
-            fputc(c, out);
-    }
-    fputc('"', out);
-}
-
 typedef struct figure {
     const char *name;
-    double value;
-    bool missing;
+    double value; /* not a number: there is none */
+    bool whole;
 } figure;
 
 #define FIGURES 14
 
-/* The figures of a row in the order of the columns. */
-static void list_figures(const kdr_bench_row *row, figure figures[FIGURES]) {
-    const double *speed = row->speed;
-    figure list[FIGURES] = {
-        {"threads", row->threads, false},
-        {"triangles", (double)row->triangles, false},
-        {"build_ms", row->build_ms, false},
-        {"build_cold_ms", row->build_cold_ms, false},
-        {"primary", speed[KDR_BENCH_PRIMARY], speed[KDR_BENCH_PRIMARY] == 0},
-        {"shadow", speed[KDR_BENCH_SHADOW], speed[KDR_BENCH_SHADOW] == 0},
-        {"ao", speed[KDR_BENCH_AO], speed[KDR_BENCH_AO] == 0},
-        {"diffuse", speed[KDR_BENCH_DIFFUSE], speed[KDR_BENCH_DIFFUSE] == 0},
-        {"image_ms", row->image_ms, false},
-        {"bytes_per_triangle", row->bytes_per_triangle, false},
-        {"hits", (double)row->hits[KDR_BENCH_PRIMARY], false},
-        {"occluded", (double)row->hits[KDR_BENCH_SHADOW], false},
-        {"ao_occluded", (double)row->hits[KDR_BENCH_AO], false},
-        {"diffuse_hits", (double)row->hits[KDR_BENCH_DIFFUSE], false},
-    };
-    memcpy(figures, list, sizeof list);
+static double speed_of(const kdr_bench_row *row, kdr_bench_kind kind) {
+    return row->speed[kind] > 0 ? row->speed[kind] : NAN;
 }
 
-/* A whole number as such, others with as many digits as mean something. */
-static void write_number(FILE *out, double value) {
-    if (value == floor(value) && fabs(value) < 1e15)
-        fprintf(out, "%.0f", value);
-    else
-        fprintf(out, "%.6g", value);
+/* The figures of a row in the order of the columns. */
+static void list_figures(const kdr_bench_row *row, figure figures[FIGURES]) {
+    figure list[FIGURES] = {
+        {"threads", row->threads, true},
+        {"triangles", (double)row->triangles, true},
+        {"build_ms", row->build_ms, false},
+        {"build_cold_ms", row->build_cold_ms, false},
+        {"primary", speed_of(row, KDR_BENCH_PRIMARY), false},
+        {"shadow", speed_of(row, KDR_BENCH_SHADOW), false},
+        {"ao", speed_of(row, KDR_BENCH_AO), false},
+        {"diffuse", speed_of(row, KDR_BENCH_DIFFUSE), false},
+        {"image_ms", row->image_ms, false},
+        {"bytes_per_triangle", row->bytes_per_triangle, false},
+        {"hits", (double)row->hits[KDR_BENCH_PRIMARY], true},
+        {"occluded", (double)row->hits[KDR_BENCH_SHADOW], true},
+        {"ao_occluded", (double)row->hits[KDR_BENCH_AO], true},
+        {"diffuse_hits", (double)row->hits[KDR_BENCH_DIFFUSE], true},
+    };
+    memcpy(figures, list, sizeof list);
 }
 
 /* The processor's name as the system gives it. */
@@ -207,29 +189,28 @@ void kdr_bench_write_csv(FILE *out, const kdr_bench_run_info *info, const kdr_be
         fprintf(out, ",%s", rows[i].tracer);
         for (int k = 0; k < FIGURES; k++) {
             fputc(',', out);
-            if (!figures[k].missing)
-                write_number(out, figures[k].value);
+            if (!isnan(figures[k].value))
+                fprintf(out, "%.*g", figures[k].whole ? 15 : 6, figures[k].value);
         }
         fputc('\n', out);
     }
 }
 
 void kdr_bench_write_json(FILE *out, const kdr_bench_row *rows, size_t row_count) {
-    fputc('[', out);
+    kdr_json json = kdr_json_begin_list(out);
     for (size_t i = 0; i < row_count; i++) {
         figure figures[FIGURES];
         list_figures(&rows[i], figures);
-        fprintf(out, "%s\n  {\"scene\": ", i > 0 ? "," : "");
-        write_json_text(out, rows[i].scene);
-        fprintf(out, ", \"tracer\": \"%s\"", rows[i].tracer);
+        kdr_json_object(&json, NULL);
+        kdr_json_text(&json, "scene", rows[i].scene);
+        kdr_json_text(&json, "tracer", rows[i].tracer);
         for (int k = 0; k < FIGURES; k++) {
-            fprintf(out, ", \"%s\": ", figures[k].name);
-            if (figures[k].missing)
-                fputs("null", out);
+            if (figures[k].whole)
+                kdr_json_whole(&json, figures[k].name, (uint64_t)figures[k].value);
             else
-                write_number(out, figures[k].value);
+                kdr_json_real(&json, figures[k].name, figures[k].value);
         }
-        fputc('}', out);
+        kdr_json_close(&json, '}');
     }
-    fputs(row_count > 0 ? "\n]\n" : "]\n", out);
+    kdr_json_end_list(&json);
 }

@@ -1,30 +1,30 @@
 /* kdray bench: its options, the scenes one after the other, and where the results go. */
+#include "command.h"
+
 #include "bench.h"
 #include "memory.h"
-#include "whole_file.h"
+#include "option_numbers.h"
+#include "output.h"
+#include "signals.h"
+#include "tree_options.h"
 
-#include <argp.h>
-#include <errno.h>
 #include <glob.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #define ROUND_LIMIT 1000u
 #define SIDE_LIMIT 16384u
-#define THREAD_LIMIT 256u
 
 /* What is measured where neither files nor a folder are named: a small scene and one of medium size. */
 static const char *const default_scenes[] = {"builtin:knot:70000", "builtin:city:500000"};
-#define DEFAULT_SCENES (sizeof default_scenes / sizeof default_scenes[0])
+#define DEFAULT_SCENES (sizeof(default_scenes) / sizeof(default_scenes[0]))
 
 typedef struct bench_request {
-    kdr_bench_options options;
+    kdr_bench_options bench; /* but for the constants of the build, which tree has */
+    kdr_tree_options tree;
     uint32_t width, height;
-    uint32_t threads; /* 0: all processors */
-    kdr_isa isa;
-    const char *json, *csv;
+    const char *csv;
     bool quiet;
     char **files; /* none: those of a folder, or the default scenes */
     size_t file_count;
@@ -32,332 +32,302 @@ typedef struct bench_request {
 
 /* ---- options */
 
-enum {
-    OPTION_ROUNDS = 256,
-    OPTION_ONLY,
-    OPTION_ISA,
-    OPTION_JSON,
-    OPTION_CSV,
-    OPTION_TRAVERSAL_COST,
-    OPTION_INTERSECTION_COST,
-    OPTION_LEAF_LIMIT,
-    OPTION_DEPTH_LIMIT,
-    OPTION_REFERENCE_LIMIT,
-};
+enum { ROUNDS = 0x100, ONLY, CSV, QUIET };
 
 static const struct argp_option option_list[] = {
-    {"resolution", 'r', "WxH", 0, "Pixels of the picture whose rays are traced (1024x1024)", 0},
-    {"threads", 't', "N", 0, "Threads that build and trace (all processors)", 0},
-    {"rounds", OPTION_ROUNDS, "N", 0, "Times that everything is measured; medians count (5)", 0},
-    {"only", OPTION_ONLY, "TRACER", 0,
-     "Leave out tracers whose names begin otherwise, as in kdray, embree/medium, embree/low/packet; repeatable", 0},
-    {"isa", OPTION_ISA, "NAME", 0, "Use no wider instructions than scalar, sse42, avx2, avx512 or neon", 0},
-    {"json", OPTION_JSON, "FILE", 0, "Write the results as a JSON list of rows", 0},
-    {"csv", OPTION_CSV, "FILE", 0, "Write the results as comma separated values", 0},
-    {"quiet", 'q', NULL, 0, "Print no tables and no progress", 0},
-    {NULL, 0, NULL, 0, "How kdray builds:", 1},
-    {"traversal-cost", OPTION_TRAVERSAL_COST, "COST", 0, "Of one step through an interior node", 1},
-    {"intersection-cost", OPTION_INTERSECTION_COST, "COST", 0, "Of one triangle test", 1},
-    {"leaf-limit", OPTION_LEAF_LIMIT, "N", 0, "Leaves with more triangles are split in any case", 1},
-    {"depth-limit", OPTION_DEPTH_LIMIT, "N", 0, "Depth of the deepest leaf; 0: by the number of triangles", 1},
-    {"reference-limit", OPTION_REFERENCE_LIMIT, "RATIO", 0, "References a triangle that splitting may use", 1},
+    {"resolution", 'r', "WxH", 0, "Pixels whose rays are traced (default: 1024x1024)", 1},
+    {"rounds", ROUNDS, "N", 0, "How often everything is measured; medians count (default: 5)", 1},
+    {"only", ONLY, "TRACER", 0,
+     "Measure tracers whose names begin so: kdray, embree, embree/medium, embree/low/packet, ...; repeatable", 1},
+    {"csv", CSV, "FILE", 0, "Write every figure as comma separated values; - is stdout", 10},
+    {"quiet", QUIET, NULL, 0, "No table, no warnings and no progress", 10},
     {0},
 };
 
-/* A whole number from least to most; a sentence and the end of the program otherwise. */
-static uint32_t whole_number(const char *text, uint32_t least, uint32_t most, const struct argp_state *state) {
-    char *end;
-    errno = 0;
-    unsigned long value = strtoul(text, &end, 10);
-    if (errno || end == text || *end || *text == '-' || value < least || value > most)
-        argp_error(state, "expected a whole number from %u to %u, found \"%s\"", least, most, text);
-    return (uint32_t)value;
-}
+static const char description[] =
+    "Measure kdray, and Embree where it is installed, on the same rays in the same run.\v"
+    "FILE is a mesh file, with a view of it in a .cam file beside it where there is one, or "
+    "builtin:NAME[:TRIANGLES[:TIME]], a built-in scene. Without FILE: every .ply file of the folder KDRAY_SCENES, or "
+    "two built-in scenes. Speeds are in million rays a second; an image takes build, primary and shadow rays.\n\n"
+    "Environment: KDRAY_SCENES, a folder of meshes; KDRAY_EMBREE, the Embree library to load.\n\n"
+    "Exit status: 0 done, 1 failed, 2 wrong usage.";
 
-static float number_from(const char *text, float least, bool open, const struct argp_state *state) {
-    char *end;
-    float value = strtof(text, &end);
-    if (end == text || *end || !isfinite(value) || value < least || (open && value == least))
-        argp_error(state, "expected a number %s %g, found \"%s\"", open ? "above" : "of at least", (double)least, text);
-    return value;
-}
-
-static void read_resolution(bench_request *request, const char *text, const struct argp_state *state) {
-    char *end;
-    unsigned long width = strtoul(text, &end, 10), height = 0;
-    const char *second = end + 1;
-    if (*end == 'x')
-        height = strtoul(second, &end, 10);
-    if (strspn(text, "0123456789x") != strlen(text) || *end || width < 1 || width > SIDE_LIMIT || height < 1 ||
-        height > SIDE_LIMIT)
-        argp_error(state, "expected WxH of 1 to %u pixels a side, found \"%s\"", SIDE_LIMIT, text);
-    request->width = (uint32_t)width;
-    request->height = (uint32_t)height;
-}
-
-static kdr_isa read_isa(const char *text, const struct argp_state *state) {
-    for (kdr_isa isa = KDR_ISA_SCALAR; isa <= KDR_ISA_NEON; isa++)
-        if (strcmp(text, kdr_isa_name(isa)) == 0)
-            return isa;
-    argp_error(state, "expected an instruction set (scalar, sse42, avx2, avx512, neon), found \"%s\"", text);
-    return KDR_ISA_SCALAR;
-}
-
-static void add_only(kdr_bench_options *options, const char *text, const struct argp_state *state) {
-    if (options->only_count == KDR_BENCH_ONLY_LIMIT)
-        argp_error(state, "--only more than %u times", KDR_BENCH_ONLY_LIMIT);
-    options->only[options->only_count++] = text;
+static void add_only(kdr_bench_options *bench, const char *text, struct argp_state *state) {
+    if (bench->only_count == KDR_BENCH_ONLY_LIMIT)
+        argp_error(state, "--only: expected at most %u", KDR_BENCH_ONLY_LIMIT);
     if (!kdr_bench_known(text))
         argp_error(state,
-                   "no tracer begins with \"%s\": there are kdray/stream, kdray/single, and "
-                   "embree/low, medium, high, each /packet and /single",
+                   "--only: expected the beginning of kdray/stream, kdray/single, embree/low/packet, "
+                   "embree/low/single, or those of embree/medium and embree/high, found \"%.40s\"",
                    text);
+    bench->only[bench->only_count++] = text;
 }
 
-static error_t read_option(int key, char *text, struct argp_state *state) {
+static error_t parse_option(int key, char *text, struct argp_state *state) {
     bench_request *request = state->input;
-    kdr_build_def *build = &request->options.build;
     switch (key) {
-    case 'r': read_resolution(request, text, state); return 0;
-    case 't': request->threads = whole_number(text, 1, THREAD_LIMIT, state); return 0;
-    case 'q': request->quiet = true; return 0;
-    case OPTION_ROUNDS: request->options.rounds = whole_number(text, 1, ROUND_LIMIT, state); return 0;
-    case OPTION_ONLY: add_only(&request->options, text, state); return 0;
-    case OPTION_ISA: request->isa = read_isa(text, state); return 0;
-    case OPTION_JSON: request->json = text; return 0;
-    case OPTION_CSV: request->csv = text; return 0;
-    case OPTION_TRAVERSAL_COST: build->cost_traversal = number_from(text, 0, true, state); return 0;
-    case OPTION_INTERSECTION_COST: build->cost_intersection = number_from(text, 0, true, state); return 0;
-    case OPTION_LEAF_LIMIT: build->leaf_limit = whole_number(text, 1, UINT32_MAX, state); return 0;
-    case OPTION_DEPTH_LIMIT: build->depth_limit = whole_number(text, 0, KDR_MAX_DEPTH, state); return 0;
-    case OPTION_REFERENCE_LIMIT: build->reference_limit = number_from(text, 1, false, state); return 0;
+    case ARGP_KEY_INIT: state->child_inputs[0] = &request->tree; break;
+    case 'r': kdr_option_size(state, "--resolution", text, SIDE_LIMIT, &request->width, &request->height); break;
+    case ROUNDS: request->bench.rounds = (uint32_t)kdr_option_whole(state, "--rounds", text, 1, ROUND_LIMIT); break;
+    case ONLY: add_only(&request->bench, text, state); break;
+    case CSV: request->csv = text; break;
+    case QUIET: request->quiet = true; break;
     case ARGP_KEY_ARGS:
         request->files = state->argv + state->next;
         request->file_count = (size_t)(state->argc - state->next);
-        return 0;
+        break;
+    case ARGP_KEY_END:
+        if (request->csv && request->tree.json && kdr_output_same(request->csv, request->tree.json))
+            argp_error(state, "--csv and --json: expected two files, found \"%.40s\" twice", request->csv);
+        break;
     default: return ARGP_ERR_UNKNOWN;
     }
-}
-
-/* ---- sentences and progress */
-
-static void say(kdr_log_level level, const char *message, void *user) {
-    (void)level;
-    (void)user;
-    fprintf(stderr, "kdray: %s\n", message);
-}
-
-static const kdr_logger logger = {say, NULL};
-
-/* One line on a terminal, written over itself. */
-static void show_progress(const char *what, uint64_t finished, uint64_t total, void *user) {
-    const char *scene = user;
-    if (finished < total || total == 0)
-        fprintf(stderr, "\r\033[K%s: %s, step %llu", scene, what, (unsigned long long)finished);
-    else
-        fputs("\r\033[K", stderr);
-    fflush(stderr);
+    return 0;
 }
 
 /* ---- one scene */
 
-/* Rows of all scenes so far, and what they have in common. */
-typedef struct result_list {
+/* A run over all scenes: the rows so far, and what they have in common. */
+typedef struct bench_run {
+    const bench_request *request;
+    kdr_messages *messages;
+    kdr_logger logger;
+    kdr_progress *progress;
     kdr_bench_row *rows;
     size_t count, room;
     kdr_bench_run_info info;
-} result_list;
+    bool silent; /* no table: quiet, or stdout carries a file */
+} bench_run;
 
-static void add_rows(result_list *results, const kdr_bench_row *rows, uint32_t count) {
-    if (results->count + count > results->room) {
-        results->room = 2 * results->room + KDR_BENCH_ROW_LIMIT;
-        kdr_bench_row *larger = kdr_memory_get(results->room, sizeof *larger);
-        if (results->count)
-            memcpy(larger, results->rows, results->count * sizeof *larger);
-        kdr_memory_release(results->rows);
-        results->rows = larger;
+static void add_rows(bench_run *run, const kdr_bench_row *rows, uint32_t count) {
+    if (run->count + count > run->room) {
+        run->room = 2 * run->room + KDR_BENCH_ROW_LIMIT;
+        kdr_bench_row *larger = kdr_memory_get(run->room, sizeof(*larger));
+        if (run->count)
+            memcpy(larger, run->rows, run->count * sizeof(*larger));
+        kdr_memory_release(run->rows);
+        run->rows = larger;
     }
-    memcpy(results->rows + results->count, rows, count * sizeof *rows);
-    results->count += count;
+    memcpy(run->rows + run->count, rows, count * sizeof(*rows));
+    run->count += count;
+}
+
+static bool is_builtin(const char *path) { return strncmp(path, "builtin:", 8) == 0; }
+
+/* Bytes of a file's name without its ending. */
+static size_t stem_length(const char *path) {
+    const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
+    const char *name = slash ? slash + 1 : path;
+    return dot && dot > name ? (size_t)(dot - path) : strlen(path);
 }
 
 /* A file's name without folder and ending; a built-in scene's as it is. */
 static void name_scene(const char *path, char name[KDR_BENCH_SCENE_SIZE]) {
-    if (strncmp(path, "builtin:", 8) == 0) {
-        snprintf(name, KDR_BENCH_SCENE_SIZE, "%s", path);
-        return;
-    }
-    const char *slash = strrchr(path, '/');
-    snprintf(name, KDR_BENCH_SCENE_SIZE, "%s", slash ? slash + 1 : path);
-    char *dot = strrchr(name, '.');
-    if (dot && dot > name)
-        *dot = 0;
+    const char *slash = is_builtin(path) ? NULL : strrchr(path, '/');
+    size_t length = is_builtin(path) ? strlen(path) : stem_length(path);
+    const char *begin = slash ? slash + 1 : path;
+    snprintf(name, KDR_BENCH_SCENE_SIZE, "%.*s", (int)(length - (size_t)(begin - path)), begin);
 }
 
 /* The view in a .cam file beside the mesh, or three quarters from above. */
-static bool choose_view(const char *path, kdr_bench_scene *scene) {
+static bool choose_view(bench_run *run, const char *path, kdr_bench_scene *scene) {
     float bounds[6];
     kdr_mesh_bounds(scene->mesh, bounds);
     scene->camera = kdr_camera_for_bounds(bounds);
     kdr_light_for_bounds(bounds, scene->light);
-    if (strncmp(path, "builtin:", 8) == 0)
+    if (is_builtin(path))
         return true;
-    const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
-    size_t stem = dot && (!slash || dot > slash + 1) ? (size_t)(dot - path) : strlen(path);
-    char *beside = kdr_memory_get(stem + sizeof ".cam", 1);
+
+    size_t stem = stem_length(path);
+    char *beside = kdr_memory_get(stem + sizeof(".cam"), 1);
     memcpy(beside, path, stem);
-    memcpy(beside + stem, ".cam", sizeof ".cam");
-    bool good = access(beside, F_OK) != 0 || kdr_camera_read(beside, &logger, &scene->camera, scene->light) == KDR_OK;
+    memcpy(beside + stem, ".cam", sizeof(".cam"));
+    kdr_status status = KDR_OK;
+    if (access(beside, F_OK) == 0)
+        status = kdr_camera_read(beside, &run->logger, &scene->camera, scene->light);
+    if (status != KDR_OK)
+        kdr_messages_fail_status(run->messages, beside, status);
     kdr_memory_release(beside);
-    return good;
+    return status == KDR_OK;
 }
 
-static bool measure_mesh(const char *path, const kdr_mesh *mesh, const bench_request *request, result_list *results) {
+static bool measure_mesh(bench_run *run, const char *path, const kdr_mesh *mesh) {
+    const bench_request *request = run->request;
     kdr_bench_scene scene = {.mesh = mesh, .width = request->width, .height = request->height};
     name_scene(path, scene.name);
     if (mesh->triangle_count == 0) {
-        fprintf(stderr, "kdray: %s: there are no triangles to measure\n", path);
+        kdr_messages_fail(run->messages, "%s: there are no triangles to measure", path);
         return false;
     }
-    if (!choose_view(path, &scene))
+    if (!choose_view(run, path, &scene))
         return false;
+    scene.device = kdr_tree_options_device(&request->tree, run->messages);
+    if (!scene.device)
+        return false;
+    run->info.threads = kdr_device_worker_count(scene.device);
+    run->info.isa = kdr_device_isa(scene.device);
 
-    kdr_device_def def = kdr_default_device_def();
-    def.worker_count = request->threads;
-    def.isa_limit = request->isa;
-    def.log = say;
-    if (kdr_device_create(&def, &scene.device) != KDR_OK)
-        return false;
-    results->info.threads = kdr_device_worker_count(scene.device);
-    results->info.isa = kdr_device_isa(scene.device);
-    bool show = !request->quiet && isatty(STDERR_FILENO);
     kdr_bench_row rows[KDR_BENCH_ROW_LIMIT];
     uint32_t count = 0;
-    bool good = kdr_bench_measure(&scene, &request->options, results->info.embree, &logger, show ? show_progress : NULL,
-                                  scene.name, rows, &count);
-    if (good && !request->quiet) {
+    bool done = kdr_bench_measure(&scene, &request->bench, run->info.embree, &run->logger, run->progress, rows, &count);
+    kdr_progress_clear(run->progress);
+    kdr_device_destroy(scene.device);
+    if (!done) {
+        kdr_messages_fail(run->messages, "%s: the measurement failed", path);
+        return false;
+    }
+    if (!run->silent) {
         printf("%s: %zu triangles, %ux%u pixels, %u threads, %s, medians of %u rounds\n\n", scene.name,
-               mesh->triangle_count, scene.width, scene.height, results->info.threads, kdr_isa_name(results->info.isa),
-               request->options.rounds);
+               mesh->triangle_count, scene.width, scene.height, run->info.threads, kdr_isa_name(run->info.isa),
+               request->bench.rounds);
         kdr_bench_print(stdout, rows, count);
         fflush(stdout);
     }
-    kdr_device_destroy(scene.device);
-    add_rows(results, rows, count);
-    return good;
+    add_rows(run, rows, count);
+    return true;
 }
 
-static bool measure_file(const char *path, const bench_request *request, result_list *results) {
+static bool measure_file(bench_run *run, const char *path) {
+    run->messages->failed = false; /* each scene may tell what is wrong with it */
+    *run->progress = kdr_progress_make(run->request->quiet);
+    kdr_progress_step(run->progress, "loading");
     kdr_mesh *mesh;
-    if (kdr_mesh_read(path, &logger, &mesh) != KDR_OK)
+    kdr_status status = kdr_mesh_read(path, &run->logger, &mesh);
+    if (status != KDR_OK) {
+        kdr_messages_fail_status(run->messages, path, status);
         return false;
-    bool good = measure_mesh(path, mesh, request, results);
+    }
+    bool done = measure_mesh(run, path, mesh);
     kdr_mesh_destroy(mesh);
-    return good;
+    return done;
 }
 
 /* ---- all scenes */
 
-static bool measure_list(const char *const *paths, size_t count, const bench_request *request, result_list *results) {
-    bool good = true;
+/* One that fails does not stop the others. */
+static bool measure_list(bench_run *run, const char *const *paths, size_t count) {
+    bool done = true;
     for (size_t i = 0; i < count; i++)
-        good = measure_file(paths[i], request, results) && good;
-    return good;
+        done = measure_file(run, paths[i]) && done;
+    return done;
 }
 
 /* The pattern of all .ply files in a folder, whose name may hold characters that mean something in patterns. */
 static char *pattern_of(const char *folder) {
     static const char ending[] = "/*.ply";
-    char *pattern = kdr_memory_get(2 * strlen(folder) + sizeof ending, 1);
+    char *pattern = kdr_memory_get(2 * strlen(folder) + sizeof(ending), 1);
     char *end = pattern;
     for (const char *c = folder; *c; c++) {
         if (strchr("*?[\\", *c))
             *end++ = '\\';
         *end++ = *c;
     }
-    memcpy(end, ending, sizeof ending);
+    memcpy(end, ending, sizeof(ending));
     return pattern;
 }
 
-/* The files named, those of the folder KDRAY_SCENES, or the default scenes. One that fails does not stop the others. */
-static bool measure_all(const bench_request *request, result_list *results) {
+/* The files named, those of the folder KDRAY_SCENES, or the default scenes. */
+static bool measure_all(bench_run *run) {
+    const bench_request *request = run->request;
     if (request->file_count)
-        return measure_list((const char *const *)request->files, request->file_count, request, results);
+        return measure_list(run, (const char *const *)request->files, request->file_count);
     const char *folder = getenv("KDRAY_SCENES");
     if (!folder || !*folder)
-        return measure_list(default_scenes, DEFAULT_SCENES, request, results);
+        return measure_list(run, default_scenes, DEFAULT_SCENES);
 
     glob_t found;
     char *pattern = pattern_of(folder);
     int failed = glob(pattern, 0, NULL, &found);
     kdr_memory_release(pattern);
     if (failed) {
-        fprintf(stderr, "kdray: KDRAY_SCENES: there is no .ply file in %s\n", folder);
+        kdr_messages_fail(run->messages, "KDRAY_SCENES: there is no .ply file in %s", folder);
         return false;
     }
-    bool good = measure_list((const char *const *)found.gl_pathv, found.gl_pathc, request, results);
+    bool done = measure_list(run, (const char *const *)found.gl_pathv, found.gl_pathc);
     globfree(&found);
-    return good;
+    return done;
 }
 
-static void write_csv(FILE *out, const void *context) {
-    const result_list *results = context;
-    kdr_bench_write_csv(out, &results->info, results->rows, results->count);
-}
+/* ---- results */
 
-static void write_json(FILE *out, const void *context) {
-    const result_list *results = context;
-    kdr_bench_write_json(out, results->rows, results->count);
-}
+static bool is_stdout(const char *path) { return path && strcmp(path, "-") == 0; }
 
-/* Embree's version if it is wanted and there; where it is only missing, that is said. */
-static const char *find_embree(const bench_request *request) {
-    if (!kdr_bench_wanted(&request->options, "embree"))
-        return NULL;
+/* Before the work: files can be written, and there is something to measure. */
+static bool prepare(bench_run *run) {
+    const bench_request *request = run->request;
+    const char *const outputs[] = {request->tree.json, request->csv};
+    for (int i = 0; i < 2; i++) {
+        if (!outputs[i] || is_stdout(outputs[i]))
+            continue;
+        for (size_t k = 0; k < request->file_count; k++) {
+            if (kdr_output_same(outputs[i], request->files[k])) {
+                kdr_messages_fail(run->messages, "the results would replace the mesh file %s", outputs[i]);
+                return false;
+            }
+        }
+        if (!kdr_output_check(outputs[i], run->messages))
+            return false;
+    }
+
+    if (!kdr_bench_wanted(&request->bench, "embree"))
+        return true;
     const char *why = NULL;
-    const char *version = kdr_bench_embree_version(&why);
-    if (!version)
-        fprintf(stderr, "kdray: %s; kdray is measured alone\n", why);
-    return version;
+    run->info.embree = kdr_bench_embree_version(&why);
+    if (run->info.embree)
+        return true;
+    if (!kdr_bench_wanted(&request->bench, "kdray")) {
+        kdr_messages_fail(run->messages, "%s, so nothing is left to measure", why);
+        return false;
+    }
+    char sentence[256];
+    snprintf(sentence, sizeof(sentence), "%s: kdray is measured alone", why);
+    run->logger.log(KDR_LOG_WARNING, sentence, run->logger.user);
+    return true;
+}
+
+static bool write_results(bench_run *run, const char *path) {
+    kdr_output output;
+    if (!path)
+        return true;
+    if (!kdr_output_open(&output, path, run->messages))
+        return false;
+    if (path == run->request->csv)
+        kdr_bench_write_csv(output.file, &run->info, run->rows, run->count);
+    else
+        kdr_bench_write_json(output.file, run->rows, run->count);
+    return kdr_output_close(&output, run->messages);
 }
 
 int kdr_command_bench(int argc, char **argv) {
-    static const struct argp parser = {
-        .options = option_list,
-        .parser = read_option,
-        .args_doc = "[FILE...]",
-        .doc = "Measure kdray, and Embree where it is installed, on the same rays in the same run."
-               "\vFILE is a mesh file, with a view of it in a .cam file beside it where there is one, or a built-in "
-               "scene, builtin:NAME[:TRIANGLES]. Without FILE: every .ply file of the folder that the environment "
-               "variable KDRAY_SCENES names, or two built-in scenes. Speeds are in million rays a second; the image "
-               "takes build, primary and shadow rays together. KDRAY_EMBREE names the Embree library to load."};
-    bench_request request = {.options = {.rounds = 5, .build = kdr_default_build_def()},
-                             .width = 1024,
-                             .height = 1024,
-                             .isa = kdr_default_device_def().isa_limit};
-    argp_err_exit_status = 2;
-    if (argp_parse(&parser, argc, argv, 0, NULL, &request) != 0)
-        return 2;
-    if ((request.json && !kdr_whole_file_possible(request.json, &logger)) ||
-        (request.csv && !kdr_whole_file_possible(request.csv, &logger)))
-        return 1;
+    bench_request request = {.bench = {.rounds = 5}, .tree = kdr_default_tree_options(), .width = 1024, .height = 1024};
+    const struct argp_child children[] = {{&kdr_tree_argp, 0, NULL, 0}, {0}};
+    const struct argp parser = {.options = option_list,
+                                .parser = parse_option,
+                                .args_doc = "[FILE...]",
+                                .doc = description,
+                                .children = children};
+    argp_parse(&parser, argc, argv, 0, NULL, &request);
+    request.bench.build = request.tree.build;
+    kdr_signals_watch("kdray bench");
 
-    result_list results = {.info = {.width = request.width,
-                                    .height = request.height,
-                                    .rounds = request.options.rounds,
-                                    .build = request.options.build,
-                                    .embree = find_embree(&request)}};
-    bool good = true;
-    if (!results.info.embree && !kdr_bench_wanted(&request.options, "kdray")) {
-        say(KDR_LOG_ERROR, "without Embree nothing is left to measure", NULL);
-        good = false;
-    } else {
-        good = measure_all(&request, &results);
+    kdr_progress progress = kdr_progress_make(request.quiet);
+    kdr_messages messages = {.command = "kdray bench", .quiet = request.quiet, .progress = &progress};
+    bench_run run = {.request = &request,
+                     .messages = &messages,
+                     .logger = kdr_messages_logger(&messages),
+                     .progress = &progress,
+                     .info = {.width = request.width,
+                              .height = request.height,
+                              .rounds = request.bench.rounds,
+                              .build = request.bench.build},
+                     .silent = request.quiet || is_stdout(request.tree.json) || is_stdout(request.csv)};
+    bool done = prepare(&run) && measure_all(&run);
+    if (run.count > 0) {
+        kdr_signals_defer();
+        messages.failed = false;
+        done = write_results(&run, request.tree.json) && done;
+        done = write_results(&run, request.csv) && done;
     }
-    if (results.count > 0) {
-        good = (!request.json || kdr_whole_file_write(request.json, write_json, &results, &logger)) && good;
-        good = (!request.csv || kdr_whole_file_write(request.csv, write_csv, &results, &logger)) && good;
-    }
-    kdr_memory_release(results.rows);
-    return good ? 0 : 1;
+    kdr_memory_release(run.rows);
+    return done ? KDR_EXIT_DONE : KDR_EXIT_FAILED;
 }

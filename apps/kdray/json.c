@@ -74,6 +74,17 @@ void kdr_json_end(kdr_json *json) {
     fputc('\n', json->file);
 }
 
+kdr_json kdr_json_begin_list(FILE *file) {
+    kdr_json json = {.file = file};
+    open_bracket(&json, '[');
+    return json;
+}
+
+void kdr_json_end_list(kdr_json *json) {
+    kdr_json_close(json, ']');
+    fputc('\n', json->file);
+}
+
 void kdr_json_object(kdr_json *json, const char *name) {
     put_name(json, name);
     open_bracket(json, '{');

@@ -19,6 +19,10 @@ typedef struct kdr_json {
 kdr_json kdr_json_begin(FILE *file);
 void kdr_json_end(kdr_json *json);
 
+/* The same for a list. */
+kdr_json kdr_json_begin_list(FILE *file);
+void kdr_json_end_list(kdr_json *json);
+
 /* A member of the innermost object, or, with name NULL, of the innermost array. */
 void kdr_json_object(kdr_json *json, const char *name);
 void kdr_json_array(kdr_json *json, const char *name);

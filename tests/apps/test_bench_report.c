@@ -60,6 +60,20 @@ static void write_csv(FILE *out) {
 
 static void write_json(FILE *out) { kdr_bench_write_json(out, rows, ROWS); }
 
+/* The JSON without its ends of lines and indentation. */
+static void write_plain_json(void) {
+    write_text(write_json);
+    char *to = text;
+    for (const char *from = text; *from; from++) {
+        *to = *from;
+        if (*from == '\n')
+            from += strspn(from + 1, " ");
+        else
+            to++;
+    }
+    *to = 0;
+}
+
 static void print_plain(FILE *out) { kdr_bench_print(out, rows, 2); }
 
 static void print_last(FILE *out) { kdr_bench_print(out, rows + 2, 1); }
@@ -90,34 +104,31 @@ static void a_kind_without_rays_has_no_speed_in_csv_and_null_in_json(void **stat
     (void)state;
     write_text(write_csv);
     assert_non_null(strstr(text, "kdray/stream,1,3,0.5,1,20,,,,2,800,0,0,0,0\n"));
-    write_text(write_json);
-    assert_non_null(strstr(text, "\"primary\": 20, \"shadow\": null, \"ao\": null, \"diffuse\": null, "
-                                 "\"image_ms\": 2,"));
+    write_plain_json();
+    assert_non_null(strstr(text, "\"primary\": 20,\"shadow\": null,\"ao\": null,\"diffuse\": null,\"image_ms\": 2,"));
 }
 
 static void names_with_quotes_and_commas_stay_one_field(void **state) {
     (void)state;
     write_text(write_csv);
     assert_non_null(strstr(text, "\n\"with \"\"quotes\"\", a comma and a \\\",kdray/stream,1,"));
-    write_text(write_json);
-    assert_non_null(strstr(text, "{\"scene\": \"with \\\"quotes\\\", a comma and a \\\\\", "
-                                 "\"tracer\": \"kdray/stream\""));
+    write_plain_json();
+    assert_non_null(
+        strstr(text, "{\"scene\": \"with \\\"quotes\\\", a comma and a \\\\\",\"tracer\": \"kdray/stream\","));
 }
 
 static void json_is_one_list_with_an_object_a_row(void **state) {
     (void)state;
-    write_text(write_json);
-    assert_true(text[0] == '[');
-    assert_string_equal(text + strlen(text) - 3, "\n]\n");
+    write_plain_json();
+    assert_true(text[0] == '[' && text[strlen(text) - 1] == ']');
     size_t objects = 0;
     for (const char *at = text; (at = strstr(at, "{\"scene\": ")); at++)
         objects++;
     assert_int_equal(objects, ROWS);
-    assert_non_null(strstr(text, "\"tracer\": \"embree/medium/packet\", \"threads\": 2, \"triangles\": 69451, "
-                                 "\"build_ms\": 10, \"build_cold_ms\": 14.5, \"primary\": 50, \"shadow\": 100, "
-                                 "\"ao\": 50, \"diffuse\": 12.5, "
-                                 "\"image_ms\": 45, \"bytes_per_triangle\": 66.875, \"hits\": 1000, \"occluded\": 399, "
-                                 "\"ao_occluded\": 2000, \"diffuse_hits\": 2003}"));
+    assert_non_null(strstr(text, "\"tracer\": \"embree/medium/packet\",\"threads\": 2,\"triangles\": 69451,"
+                                 "\"build_ms\": 10,\"build_cold_ms\": 14.5,\"primary\": 50,\"shadow\": 100,"
+                                 "\"ao\": 50,\"diffuse\": 12.5,\"image_ms\": 45,\"bytes_per_triangle\": 66.875,"
+                                 "\"hits\": 1000,\"occluded\": 399,\"ao_occluded\": 2000,\"diffuse_hits\": 2003}"));
 }
 
 static void no_rows_are_an_empty_list(void **state) {
