@@ -78,7 +78,7 @@ const char *kdr_bench_embree_version(const char **why) {
         return version;
     if (!load(why))
         return NULL;
-    RTCDevice device = embree.rtcNewDevice("threads=1,set_affinity=0");
+    RTCDevice device = embree.rtcNewDevice("set_affinity=0");
     if (!device) {
         *why = "Embree is there, but makes no device on this machine";
         return NULL;
