@@ -10,17 +10,17 @@
 #define GATHER_GRAIN 16384
 
 typedef struct gathering {
-    const kdr_source *source;
+    const kdr_input *input;
     kdr_references to;
-    uint32_t *kept;            /* a range */
-    kdr_box *boxes;            /* a worker */
-    kdr_source_counts *counts; /* a worker */
+    uint32_t *kept;           /* a range */
+    kdr_box *boxes;           /* a worker */
+    kdr_input_counts *counts; /* a worker */
 } gathering;
 
 static void gather_range(void *context, size_t begin, size_t end, uint32_t worker) {
     gathering *g = context;
-    g->kept[begin / GATHER_GRAIN] = g->source->boxes(g->source->context, (uint32_t)begin, (uint32_t)end, &g->to,
-                                                     (uint32_t)begin, &g->boxes[worker], &g->counts[worker]);
+    g->kept[begin / GATHER_GRAIN] = g->input->boxes(g->input->context, (uint32_t)begin, (uint32_t)end, &g->to,
+                                                    (uint32_t)begin, &g->boxes[worker], &g->counts[worker]);
 }
 
 static uint32_t close_gaps(const gathering *g, uint32_t count) {
@@ -39,13 +39,13 @@ static uint32_t close_gaps(const gathering *g, uint32_t count) {
     return to;
 }
 
-kdr_status kdr_build_gather(kdr_build_state *state, kdr_build_task *root, kdr_source_counts *counts) {
+kdr_status kdr_build_gather(kdr_build_state *state, kdr_build_task *root, kdr_input_counts *counts) {
     kdr_workshop *shop = state->shop;
-    uint32_t count = state->source->count, workers = shop->worker_count;
+    uint32_t count = state->input->count, workers = shop->worker_count;
     uint32_t ranges = count / GATHER_GRAIN + 1;
     kdr_arena *arena = &shop->workers[0].arena;
     kdr_arena_mark mark = kdr_arena_save(arena);
-    gathering g = {.source = state->source};
+    gathering g = {.input = state->input};
     g.kept = kdr_arena_get(arena, ranges * sizeof *g.kept);
     g.boxes = kdr_arena_get(arena, workers * sizeof *g.boxes);
     g.counts = kdr_arena_get(arena, workers * sizeof *g.counts);
@@ -61,12 +61,12 @@ kdr_status kdr_build_gather(kdr_build_state *state, kdr_build_task *root, kdr_so
     g.to = kdr_references_in(memory, count);
     for (uint32_t i = 0; i < workers; i++) {
         g.boxes[i] = kdr_box_empty();
-        g.counts[i] = (kdr_source_counts){0};
+        g.counts[i] = (kdr_input_counts){0};
     }
     kdr_parallel_for(state->crew, count, GATHER_GRAIN, gather_range, &g);
 
     /* Sum up. */
-    *counts = (kdr_source_counts){0};
+    *counts = (kdr_input_counts){0};
     kdr_box box = kdr_box_empty();
     for (uint32_t i = 0; i < workers; i++) {
         kdr_box_add(&box, &g.boxes[i]);

@@ -27,10 +27,10 @@ typedef struct filling {
 static void fill_range(void *context, size_t begin, size_t end, uint32_t worker) {
     (void)worker;
     const filling *f = context;
-    const kdr_source *source = f->state->source;
+    const kdr_input *input = f->state->input;
     for (size_t i = begin; i < end; i++) {
         const leaf_job *job = &f->jobs[i];
-        source->fill(source->context, f->blocks, job->leaf, kdr_growing_ids(f->state->shop, job->ids));
+        input->fill(input->context, f->blocks, job->leaf, kdr_growing_ids(f->state->shop, job->ids));
         if (f->boxes)
             f->boxes[job->node] = kdr_block_box(f->blocks, job->leaf, &job->cell);
     }

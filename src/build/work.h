@@ -49,7 +49,7 @@ typedef struct kdr_build_state {
     kdr_workshop *shop;
     const kdr_crew *crew;
     const kdr_build_kernels *kernels;
-    const kdr_source *source;
+    const kdr_input *input;
     kdr_plan plan;
     _Atomic int status; /* the first failure; workers stop when it is not KDR_OK */
 } kdr_build_state;
@@ -74,7 +74,7 @@ static inline uint32_t *kdr_growing_ids(const kdr_workshop *shop, uint32_t first
 }
 
 /* ---- gather.c: the root's references. On failure nothing is held. */
-kdr_status kdr_build_gather(kdr_build_state *state, kdr_build_task *root, kdr_source_counts *counts);
+kdr_status kdr_build_gather(kdr_build_state *state, kdr_build_task *root, kdr_input_counts *counts);
 
 /* ---- grow.c: the only writer of nodes. False, and the state says why, when memory or numbers run out. */
 bool kdr_grow_pair(kdr_build_state *state, kdr_build_worker *worker, uint32_t *pair);

@@ -10,7 +10,10 @@
  * at most the product of the largest magnitudes: 6 x 8 x 2^-53 < 2^-47. One more bit of slack. */
 static const double ERROR_PER_PRODUCT = 0x1p-46;
 
-static double largest3(double x, double y, double z) { return fmax(fabs(x), fmax(fabs(y), fabs(z))); }
+/* Finite numbers only, so a comparison will do where fmax would be a call. */
+static inline double larger(double x, double y) { return x > y ? x : y; }
+
+static inline double largest3(double x, double y, double z) { return larger(fabs(x), larger(fabs(y), fabs(z))); }
 
 /* ------------------------------------------------------------------------------------------- the exact path */
 
@@ -106,7 +109,7 @@ bool kdr_triangle_meet(const float o[3], const float d[3], const float av[3], co
     /* Decide their signs, exactly where the bound leaves them in doubt. */
     double size_d = largest3(dx, dy, dz);
     double size_a = largest3(ax, ay, az), size_b = largest3(bx, by, bz), size_c = largest3(cx, cy, cz);
-    double size = fmax(size_a, fmax(size_b, size_c));
+    double size = larger(size_a, larger(size_b, size_c));
     double bound = ERROR_PER_PRODUCT * size_d * size * size;
     bool positive = v[0] > bound || v[1] > bound || v[2] > bound;
     bool negative = v[0] < -bound || v[1] < -bound || v[2] < -bound;

@@ -95,7 +95,7 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
     if (status != KDR_OK)
         return status;
     kdr_triangles triangles = {scene->geometries, first, scene->geometry_count};
-    kdr_source source = kdr_triangles_source(&triangles);
+    kdr_input input = kdr_triangles_input(&triangles);
     kdr_plan plan = {.cost_traversal = def.cost_traversal,
                      .cost_intersection = def.cost_intersection,
                      .leaf_limit = def.leaf_limit,
@@ -103,13 +103,13 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
                      .reference_limit = def.reference_limit,
                      .wide = device->traversals->wants_wide};
     kdr_tree tree;
-    kdr_source_counts counts;
-    status = kdr_build(device->workshop, &device->crew, device->isa, &source, &plan, &tree, &counts);
+    kdr_input_counts counts;
+    status = kdr_build(device->workshop, &device->crew, device->isa, &input, &plan, &tree, &counts);
     if (status != KDR_OK) {
         kdr_alloc_release(&device->alloc, first, ((size_t)scene->geometry_count + 1) * sizeof *first);
         if (status == KDR_ERROR_INVALID_DATA)
             return fail_invalid(scene, counts.invalid);
-        return kdr_device_fail(device, status, "the tree of %u triangles was not built: %s", source.count,
+        return kdr_device_fail(device, status, "the tree of %u triangles was not built: %s", input.count,
                                kdr_status_text(status));
     }
 

@@ -32,7 +32,7 @@ static inline bool surely_has_area(const float *a, const float *b, const float *
 }
 
 static uint32_t geometry_boxes(const kdr_triangles_def *def, uint32_t begin, uint32_t end, uint32_t number,
-                               const kdr_references *to, uint32_t at, kdr_box *bounds, kdr_source_counts *counts) {
+                               const kdr_references *to, uint32_t at, kdr_box *bounds, kdr_input_counts *counts) {
     const uint32_t first_place = at;
     kdr_box all = *bounds;
     for (uint32_t i = begin; i < end; i++, number++) {
@@ -68,7 +68,7 @@ static uint32_t geometry_boxes(const kdr_triangles_def *def, uint32_t begin, uin
 }
 
 static uint32_t boxes(const void *context, uint32_t begin, uint32_t end, const kdr_references *to, uint32_t at,
-                      kdr_box *bounds, kdr_source_counts *counts) {
+                      kdr_box *bounds, kdr_input_counts *counts) {
     const kdr_triangles *t = context;
     uint32_t kept = 0;
     for (uint32_t g = kdr_geometry_of(t->first, t->count, begin); begin < end; g++) {
@@ -96,7 +96,6 @@ static void fill(const void *context, float *blocks, kdr_node leaf, const uint32
     kdr_block_pad(blocks, leaf);
 }
 
-kdr_source kdr_triangles_source(const kdr_triangles *triangles) {
-    return (kdr_source){
-        .context = triangles, .count = triangles->first[triangles->count], .boxes = boxes, .fill = fill};
+kdr_input kdr_triangles_input(const kdr_triangles *triangles) {
+    return (kdr_input){.context = triangles, .count = triangles->first[triangles->count], .boxes = boxes, .fill = fill};
 }

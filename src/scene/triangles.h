@@ -1,8 +1,8 @@
-/* Triangles of a scene as a source of primitives: numbered through all geometries, in order. */
+/* Triangles of a scene as the input of a builder: numbered through all geometries, in order. */
 #ifndef KDR_SCENE_TRIANGLES_H
 #define KDR_SCENE_TRIANGLES_H
 
-#include "build/source.h"
+#include "build/input.h"
 #include "kdray/kdray.h"
 
 typedef struct kdr_triangles {
@@ -11,7 +11,7 @@ typedef struct kdr_triangles {
     uint32_t count;
 } kdr_triangles;
 
-kdr_source kdr_triangles_source(const kdr_triangles *triangles);
+kdr_input kdr_triangles_input(const kdr_triangles *triangles);
 
 /* The geometry that a primitive belongs to. first as above. Cost: O(log geometries). */
 static inline uint32_t kdr_geometry_of(const uint32_t *first, uint32_t count, uint32_t primitive) {
