@@ -8,6 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#define LINK_LIMIT 40 /* symbolic links in a row, as many as Linux follows */
+
 /* The directory part of a name, with its slash; empty: the current one. False: too long. */
 static bool directory_of(const char *path, char directory[PATH_MAX]) {
     const char *slash = strrchr(path, '/');
@@ -73,11 +75,41 @@ bool kdr_output_check(const char *path, kdr_messages *messages) {
     return true;
 }
 
+/* Where a file of a name that leads nowhere yet would come to be: its directory, and its name in there. Symbolic links
+ * are followed, since whoever finds the file there later follows them too. False if that cannot be told. */
+static bool place_of(const char *path, struct stat *directory_info, char name[PATH_MAX]) {
+    char at[PATH_MAX], link[PATH_MAX], directory[PATH_MAX];
+    if (snprintf(at, sizeof(at), "%s", path) >= PATH_MAX)
+        return false;
+    for (int links = 0; links < LINK_LIMIT; links++) {
+        if (!directory_of(at, directory))
+            return false;
+        size_t prefix = strlen(directory);
+        ssize_t length = readlink(at, link, sizeof(link) - 1);
+        if (length < 0) {
+            strcpy(name, at + prefix);
+            return *name && stat(prefix ? directory : ".", directory_info) == 0;
+        }
+        link[length] = 0;
+        prefix = link[0] == '/' ? 0 : prefix;
+        if (prefix + (size_t)length >= sizeof(at))
+            return false;
+        memcpy(at + prefix, link, (size_t)length + 1);
+    }
+    return false;
+}
+
 bool kdr_output_same(const char *a, const char *b) {
     struct stat info_a, info_b;
-    if (stat(a, &info_a) == 0 && stat(b, &info_b) == 0)
+    bool there_a = stat(a, &info_a) == 0, there_b = stat(b, &info_b) == 0;
+    if (there_a && there_b)
         return S_ISREG(info_a.st_mode) && info_a.st_dev == info_b.st_dev && info_a.st_ino == info_b.st_ino;
-    return strcmp(a, b) == 0;
+    if (there_a || there_b)
+        return false;
+    char name_a[PATH_MAX], name_b[PATH_MAX];
+    if (!place_of(a, &info_a, name_a) || !place_of(b, &info_b, name_b))
+        return strcmp(a, b) == 0;
+    return info_a.st_dev == info_b.st_dev && info_a.st_ino == info_b.st_ino && strcmp(name_a, name_b) == 0;
 }
 
 /* A new file beside the target. 0, or an error number. */

@@ -45,6 +45,11 @@ void kdr_signals_watch(const char *command) {
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+
+    // A terminal that is closed, unless nohup has said that it does not matter.
+    struct sigaction before;
+    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+        sigaction(SIGHUP, &action, NULL);
 }
 
 void kdr_signals_defer(void) { atomic_store(&deferred, true); }

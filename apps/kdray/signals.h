@@ -1,4 +1,4 @@
-/* Ctrl-C and its relatives: SIGINT and SIGTERM cancel, at any time, with a sentence and exit status 1. */
+/* Ctrl-C and its relatives SIGTERM and SIGHUP cancel, at any time, with a sentence and exit status 1. */
 #ifndef KDR_APPS_KDRAY_SIGNALS_H
 #define KDR_APPS_KDRAY_SIGNALS_H
 

@@ -2,16 +2,17 @@
 source "$(dirname "$0")/support.sh" "$@"
 mkdir room
 
-# long_render NUMBER: a render of minutes that gets signal NUMBER while it traces.
+# long_render NAME: a render of minutes that gets signal NAME while it traces. Signals have their default meaning, even
+# where this script runs under nohup.
 long_render() {
-    "$kdray" render "$scene" -r 512x512 --spp 65536 -o room/x.png --json room/x.json >out 2>err </dev/null &
+    env --default-signal "$kdray" render "$scene" -r 512x512 --spp 65536 -o room/x.png --json room/x.json >out 2>err </dev/null &
     local job=$!
     sleep 1
     kill -s "$1" "$job"
     wait "$job"
     status=$?
 }
-for signal in INT TERM; do
+for signal in INT TERM HUP; do
     long_render "$signal"
     holds "SIG$signal exits with 1 and a sentence" exits 1 '^kdray render: .*cancelled$'
     holds "SIG$signal gets one sentence" is "$(wc -l <err)" 1
@@ -28,6 +29,20 @@ wait "$job"
 status=$?
 holds "a signal while loading exits with 1" exits 1 '^kdray render: cancelled$'
 holds "a signal while loading leaves no file" is "$(ls -A room)" ""
+
+# Under nohup, work outlives the terminal: SIGHUP is ignored from the start, and stays so.
+trap '' HUP
+"$kdray" render pipe "${size[@]}" -q -o room/x.png >out 2>err </dev/null &
+job=$!
+trap - HUP
+sleep 0.5
+kill -s HUP "$job"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' 1<>pipe # which waits for no reader
+wait "$job"
+status=$?
+holds "nohup keeps a render going" exits 0
+holds "its picture is whole" is_png room/x.png
+rm -f room/*
 
 # A disk with no room: a limit on the size of files, and the device that is always full
 (

@@ -29,6 +29,19 @@ refuses 'not stdout' render "$scene" -o -
 refuses 'unrecognized option' render "$scene" -o x.png --bogus
 refuses 'requires an argument' render "$scene" -o
 refuses 'another file' render "$scene" -o x.png --json x.png
+refuses 'another file' render "$scene" -o x.png --json ./x.png
+refuses 'another file' render "$scene" -o x.png --json "$PWD/x.png"
+mkdir real
+ln -s real linked
+ln -s "$PWD/linked/y.png" y.json
+ln -s loop loop
+refuses 'another file' render "$scene" -o real/y.png --json linked/y.png
+refuses 'another file' render "$scene" -o real/y.png --json y.json
+refuses 'another file' render "$scene" -o loop --json loop
+run render "$scene" "${size[@]}" -q -o real/y.png --json real/y.json
+holds "files of one directory are told apart" exits 0
+holds "the picture is a picture" is_png real/y.png
+holds "the JSON is JSON" has_key real/y.json triangles
 refuses 'expected --box' render "$scene" -o x.png --texture a.png
 refuses 'expected --compare' render "$scene" -o x.png --threshold 3
 refuses 'expected a mesh file' info
