@@ -72,17 +72,23 @@ static void report(const kdr_closest *closest, kdr_found *found) {
     found->primitive = closest->primitive;
 }
 
+/* What a table's function returns with. */
+static inline __attribute__((always_inline)) bool leave(bool answer) {
+    kdr_lanes_leave();
+    return answer;
+}
+
 static bool stack_closest(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray, kdr_found *found) {
     kdr_closest closest = {.t = ray->tmax, .primitive = UINT32_MAX};
-    if (!search(tree, entry, ray, false, &closest))
-        return false;
-    report(&closest, found);
-    return true;
+    bool hit = search(tree, entry, ray, false, &closest);
+    if (hit)
+        report(&closest, found);
+    return leave(hit);
 }
 
 static bool stack_any(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray) {
     kdr_closest closest = {.primitive = UINT32_MAX};
-    return search(tree, entry, ray, true, &closest);
+    return leave(search(tree, entry, ray, true, &closest));
 }
 
 /* Lone rays take the wide tree where there are lanes for it. */
@@ -106,15 +112,15 @@ static inline __attribute__((always_inline)) bool search_wide(const kdr_tree *tr
 
 static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *found) {
     kdr_closest closest = {.t = ray->tmax, .primitive = UINT32_MAX};
-    if (!search_wide(tree, ray, false, &closest))
-        return false;
-    report(&closest, found);
-    return true;
+    bool hit = search_wide(tree, ray, false, &closest);
+    if (hit)
+        report(&closest, found);
+    return leave(hit);
 }
 
 static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
     kdr_closest closest = {.primitive = UINT32_MAX};
-    return search_wide(tree, ray, true, &closest);
+    return leave(search_wide(tree, ray, true, &closest));
 }
 #else
 static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *found) {

@@ -7,9 +7,9 @@
 #ifndef KDR_TREE_BLOCK_LANES_H
 #define KDR_TREE_BLOCK_LANES_H
 
-#include "geometry/exact.h"
 #include "geometry/lanes.h"
 #include "geometry/ray_frame.h"
+#include "geometry/triangle.h"
 #include "tree/block.h"
 
 /* The closest hit so far. Before the first: t is the ray's tmax and primitive UINT32_MAX. */
