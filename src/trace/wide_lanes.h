@@ -12,13 +12,14 @@
 #include "tree/block_lanes.h"
 #include "tree/wide.h"
 
-/* A wide node with children still to be visited. */
-typedef struct wide_visit {
-    float enter[KDR_WIDE]; /* where the ray enters a child's box; by child */
-    const kdr_wide_node *node;
-    uint32_t left;           /* a bit a rank, front first */
-    uint8_t child[KDR_WIDE]; /* the child at a rank */
-} wide_visit;
+/* A child that waits: where the ray enters its box, and which it is. */
+typedef struct wide_wait {
+    float enter;
+    uint32_t child;
+} wide_wait;
+
+/* A path opens at most KDR_MAX_DEPTH nodes and leaves at most 15 children of each waiting. */
+#define WIDE_STACK (KDR_MAX_DEPTH * (KDR_WIDE - 1) + 1)
 
 /* The children whose boxes the ray meets no later than tmax, a bit each, and where it enters them. */
 KDR_LANES_INLINE uint32_t wide_meet(const kdr_wide_node *node, const float_ray *r, float tmax, float enters[KDR_WIDE]) {
@@ -42,35 +43,56 @@ KDR_LANES_INLINE uint32_t wide_meet(const kdr_wide_node *node, const float_ray *
     return met;
 }
 
-/* Sorts the children met by their rank, which is a matter of bits. */
-KDR_LANES_INLINE void wide_sort(const kdr_wide_node *node, uint32_t met, uint32_t octant, wide_visit *visit) {
-    visit->node = node;
-    visit->left = 0;
-    for (; met; met &= met - 1) {
-        uint32_t child = (uint32_t)__builtin_ctz(met);
-        uint32_t rank = node->rank[child] >> (4 * octant) & 15;
-        visit->child[rank] = (uint8_t)child;
-        visit->left |= 1u << rank;
+/* Puts all children met but the first on the stack, the last of them lowest, and returns the first. Their order is that
+ * of their ranks, so nothing is compared but small whole numbers. */
+KDR_LANES_INLINE uint32_t wide_push(const kdr_wide_node *node, uint32_t met, uint32_t rank_shift,
+                                    const float enters[KDR_WIDE], wide_wait *stack, uint32_t *top) {
+    uint32_t a = (uint32_t)__builtin_ctz(met);
+    met &= met - 1;
+    if (met == 0)
+        return node->child[a];
+    uint32_t b = (uint32_t)__builtin_ctz(met);
+    met &= met - 1;
+    if (met == 0) {
+        bool swapped = (node->rank[b] >> rank_shift & 15) < (node->rank[a] >> rank_shift & 15);
+        uint32_t first = swapped ? b : a, second = swapped ? a : b;
+        stack[(*top)++] = (wide_wait){enters[second], node->child[second]};
+        return node->child[first];
     }
+
+    /* Three or more: a place for each rank. */
+    uint8_t at[KDR_WIDE];
+    uint32_t ranks = 0;
+    for (met |= 1u << a | 1u << b; met; met &= met - 1) {
+        uint32_t child = (uint32_t)__builtin_ctz(met), rank = node->rank[child] >> rank_shift & 15;
+        at[rank] = (uint8_t)child;
+        ranks |= 1u << rank;
+    }
+    uint32_t first = (uint32_t)__builtin_ctz(ranks);
+    for (ranks &= ranks - 1; ranks;) {
+        uint32_t last = 31 - (uint32_t)__builtin_clz(ranks);
+        stack[(*top)++] = (wide_wait){enters[at[last]], node->child[at[last]]};
+        ranks ^= 1u << last;
+    }
+    return node->child[at[first]];
 }
 
 KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const float_ray *r, const kdr_ray_frame *f, float tmin,
                                     float tmax, const bool any, kdr_closest *closest) {
     const uint32_t octant = r->near_is_right[0] | r->near_is_right[1] << 1 | r->near_is_right[2] << 2;
-    wide_visit stack[KDR_MAX_DEPTH + 2]; /* those below `top` wait; the one at `top` is scratch */
+    wide_wait stack[WIDE_STACK];
+    float enters[KDR_WIDE];
     uint32_t top = 0, child = 0;
     for (;;) {
         if (!(child & KDR_WIDE_LEAF)) {
-            /* Open a node. Most often the ray meets one child of it, which needs neither sorting nor waiting. */
+            /* Open a node, and go on with the first child that the ray meets. */
             const kdr_wide_node *node = &tree->wide[child];
             float end = !any && closest->t < r->tmax ? closest->t : r->tmax;
-            uint32_t met = wide_meet(node, r, end, stack[top].enter);
-            if (met != 0 && (met & (met - 1)) == 0) {
-                child = node->child[__builtin_ctz(met)];
+            uint32_t met = wide_meet(node, r, end, enters);
+            if (met != 0) {
+                child = wide_push(node, met, 4 * octant, enters, stack, &top);
                 continue;
             }
-            if (met != 0)
-                wide_sort(node, met, octant, &stack[top++]);
         } else {
             /* Ask a leaf. */
             kdr_node leaf = tree->nodes[child & ~KDR_WIDE_LEAF];
@@ -80,18 +102,13 @@ KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const float_ray *r, co
                 kdr_block_closest(tree->blocks, leaf, f, tmin, closest);
         }
 
-        /* Take the next child that begins no later than the closest hit, front to back. */
-        uint32_t place;
+        /* Take the next child that begins no later than the closest hit. */
         do {
-            while (top > 0 && stack[top - 1].left == 0)
-                top--;
             if (top == 0)
                 return !any && closest->primitive != UINT32_MAX;
-            wide_visit *visit = &stack[top - 1];
-            place = visit->child[__builtin_ctz(visit->left)];
-            visit->left &= visit->left - 1;
-        } while (!any && stack[top - 1].enter[place] > closest->t);
-        child = stack[top - 1].node->child[place];
+            top--;
+        } while (!any && stack[top].enter > closest->t);
+        child = stack[top].child;
     }
 }
 
