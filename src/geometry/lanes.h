@@ -43,8 +43,6 @@ KDR_LANES_INLINE kdr_lanes_u kdr_lanes_load_u(const uint32_t *from) {
 
 KDR_LANES_INLINE void kdr_lanes_store(float *to, kdr_lanes_f v) { memcpy(to, &v, sizeof v); }
 
-KDR_LANES_INLINE void kdr_lanes_store_u(uint32_t *to, kdr_lanes_u v) { memcpy(to, &v, sizeof v); }
-
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_all(float x) { return x - (kdr_lanes_f){0}; }
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_abs(kdr_lanes_f v) { return (kdr_lanes_f)((kdr_lanes_u)v & 0x7fffffffu); }

@@ -10,16 +10,8 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) { retur
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) { return _mm512_max_ps(a, b); }
 
-KDR_LANES_INLINE kdr_lane_bits kdr_lanes_bits(kdr_lanes_i comparison) {
-    return _mm512_movepi32_mask((__m512i)comparison);
-}
-
 KDR_LANES_INLINE kdr_lane_bits kdr_lanes_less(kdr_lanes_f a, kdr_lanes_f b) {
     return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ);
-}
-
-KDR_LANES_INLINE kdr_lane_bits kdr_lanes_equal(kdr_lanes_f a, kdr_lanes_f b) {
-    return _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ);
 }
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_choose(kdr_lane_bits bits, kdr_lanes_f a, kdr_lanes_f b) {
@@ -43,16 +35,8 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) { retur
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) { return _mm256_max_ps(a, b); }
 
-KDR_LANES_INLINE kdr_lane_bits kdr_lanes_bits(kdr_lanes_i comparison) {
-    return (kdr_lane_bits)_mm256_movemask_ps((__m256)comparison);
-}
-
 KDR_LANES_INLINE kdr_lane_bits kdr_lanes_less(kdr_lanes_f a, kdr_lanes_f b) {
     return (kdr_lane_bits)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LT_OQ));
-}
-
-KDR_LANES_INLINE kdr_lane_bits kdr_lanes_equal(kdr_lanes_f a, kdr_lanes_f b) {
-    return (kdr_lane_bits)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_EQ_OQ));
 }
 
 /* -1 in the lanes whose bit is set. */
@@ -88,16 +72,8 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) { retur
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) { return _mm_max_ps(a, b); }
 
-KDR_LANES_INLINE kdr_lane_bits kdr_lanes_bits(kdr_lanes_i comparison) {
-    return (kdr_lane_bits)_mm_movemask_ps((__m128)comparison);
-}
-
 KDR_LANES_INLINE kdr_lane_bits kdr_lanes_less(kdr_lanes_f a, kdr_lanes_f b) {
     return (kdr_lane_bits)_mm_movemask_ps(_mm_cmplt_ps(a, b));
-}
-
-KDR_LANES_INLINE kdr_lane_bits kdr_lanes_equal(kdr_lanes_f a, kdr_lanes_f b) {
-    return (kdr_lane_bits)_mm_movemask_ps(_mm_cmpeq_ps(a, b));
 }
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_choose(kdr_lane_bits bits, kdr_lanes_f a, kdr_lanes_f b) {

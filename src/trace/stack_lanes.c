@@ -29,6 +29,8 @@
 #undef LARGEST
 #undef STEP
 
+#include "trace/wide_lanes.h"
+
 /* A ray outside the range of float intervals: rare, so its code is kept apart. */
 static __attribute__((noinline)) bool walk_in_double(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray,
                                                      const kdr_ray_frame *f, bool any, kdr_closest *closest) {
@@ -41,8 +43,10 @@ static __attribute__((noinline)) bool walk_in_double(const kdr_tree *tree, const
     return double_walk(tree, entry->node, &r, f, ray->tmin, ray->tmax, false, closest);
 }
 
+/* `wide`: through the wide tree where there is one; the entry is then the root. */
 static inline __attribute__((always_inline)) bool search(const kdr_tree *tree, const kdr_entry *entry,
-                                                         const kdr_ray *ray, const bool any, kdr_closest *closest) {
+                                                         const kdr_ray *ray, const bool any, const bool wide,
+                                                         kdr_closest *closest) {
     if (!kdr_ray_is_valid(ray) || kdr_box_is_empty(&entry->box))
         return false;
     float_ray r;
@@ -52,6 +56,8 @@ static inline __attribute__((always_inline)) bool search(const kdr_tree *tree, c
     kdr_ray_frame f = kdr_ray_frame_of(ray, &tree->bounds);
     if (__builtin_expect(!holds, 0))
         return walk_in_double(tree, entry, ray, &f, any, closest);
+    if (wide && __builtin_expect(tree->wide != NULL, 1))
+        return kdr_wide_walk(tree, &r, &f, ray->tmin, ray->tmax, any, closest);
     return float_walk(tree, entry->node, &r, &f, ray->tmin, ray->tmax, any, closest);
 }
 
@@ -80,7 +86,7 @@ static inline __attribute__((always_inline)) bool leave(bool answer) {
 
 static bool stack_closest(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray, kdr_found *found) {
     kdr_closest closest = {.t = ray->tmax, .primitive = UINT32_MAX};
-    bool hit = search(tree, entry, ray, false, &closest);
+    bool hit = search(tree, entry, ray, false, false, &closest);
     if (hit)
         report(&closest, found);
     return leave(hit);
@@ -88,51 +94,24 @@ static bool stack_closest(const kdr_tree *tree, const kdr_entry *entry, const kd
 
 static bool stack_any(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray) {
     kdr_closest closest = {.primitive = UINT32_MAX};
-    return leave(search(tree, entry, ray, true, &closest));
+    return leave(search(tree, entry, ray, true, false, &closest));
 }
 
-/* Lone rays take the wide tree where there are lanes for it. */
-#if KDR_LANES > 1
-#include "trace/wide_lanes.h"
-
-static inline __attribute__((always_inline)) bool search_wide(const kdr_tree *tree, const kdr_ray *ray, const bool any,
-                                                              kdr_closest *closest) {
-    kdr_entry root = kdr_entry_root(tree);
-    if (__builtin_expect(!tree->wide, 0))
-        return search(tree, &root, ray, any, closest);
-    float_ray r;
-    bool holds;
-    if (!kdr_ray_is_valid(ray) || (!float_begin(&r, ray, &tree->bounds, &holds) && holds))
-        return false;
-    kdr_ray_frame f = kdr_ray_frame_of(ray, &tree->bounds);
-    if (__builtin_expect(!holds, 0))
-        return walk_in_double(tree, &root, ray, &f, any, closest);
-    return kdr_wide_walk(tree, &r, &f, ray->tmin, ray->tmax, any, closest);
-}
-
+/* Lone rays take the wide tree, which is made where there are lanes for it. */
 static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *found) {
+    kdr_entry root = kdr_entry_root(tree);
     kdr_closest closest = {.t = ray->tmax, .primitive = UINT32_MAX};
-    bool hit = search_wide(tree, ray, false, &closest);
+    bool hit = search(tree, &root, ray, false, true, &closest);
     if (hit)
         report(&closest, found);
     return leave(hit);
 }
 
 static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
+    kdr_entry root = kdr_entry_root(tree);
     kdr_closest closest = {.primitive = UINT32_MAX};
-    return leave(search_wide(tree, ray, true, &closest));
+    return leave(search(tree, &root, ray, true, true, &closest));
 }
-#else
-static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *found) {
-    kdr_entry root = kdr_entry_root(tree);
-    return stack_closest(tree, &root, ray, found);
-}
-
-static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
-    kdr_entry root = kdr_entry_root(tree);
-    return stack_any(tree, &root, ray);
-}
-#endif
 
 extern const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals);
 const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals) = {.stack_closest = stack_closest,

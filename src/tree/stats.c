@@ -45,9 +45,3 @@ void kdr_tree_count(const kdr_tree *tree, kdr_tree_stats *out) {
     out->cost = root > 0 ? c.cost / root : 0;
     out->mean_leaf_depth = out->leaf_count > 0 ? c.depth_sum / (double)out->leaf_count : 0;
 }
-
-double kdr_tree_cost(const kdr_tree *tree) {
-    kdr_tree_stats stats;
-    kdr_tree_count(tree, &stats);
-    return stats.cost;
-}

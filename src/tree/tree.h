@@ -35,7 +35,4 @@ uint64_t kdr_tree_hash(const kdr_tree *tree);
 /* Counts nodes, leaves, depths, references and cost; fills all of *out but build_seconds. */
 void kdr_tree_count(const kdr_tree *tree, kdr_tree_stats *out);
 
-/* Cost by the surface area heuristic: interior nodes and leaves weighted by their area over the root's. */
-double kdr_tree_cost(const kdr_tree *tree);
-
 #endif
