@@ -53,6 +53,27 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_abs(kdr_lanes_f v) { return (kdr_lanes_f)
 #include "geometry/lanes_plain.h"
 #endif
 
+/* a * b + c and c - a * b, where it does not matter whether the product is rounded. */
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_add_product(kdr_lanes_f c, kdr_lanes_f a, kdr_lanes_f b) {
+#if defined(__FMA__) && KDR_LANES == 16
+    return _mm512_fmadd_ps(a, b, c);
+#elif defined(__FMA__) && KDR_LANES == 8
+    return _mm256_fmadd_ps(a, b, c);
+#else
+    return c + a * b;
+#endif
+}
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_less_product(kdr_lanes_f c, kdr_lanes_f a, kdr_lanes_f b) {
+#if defined(__FMA__) && KDR_LANES == 16
+    return _mm512_fnmadd_ps(a, b, c);
+#elif defined(__FMA__) && KDR_LANES == 8
+    return _mm256_fnmadd_ps(a, b, c);
+#else
+    return c - a * b;
+#endif
+}
+
 /* Said before a function of a table returns: the upper halves of vector registers are clean again, without which the
  * old vector instructions of the caller cost hundreds of cycles. */
 KDR_LANES_INLINE void kdr_lanes_leave(void) {

@@ -29,6 +29,24 @@ KDR_LANES_INLINE void kdr_lanes_compress_u(uint32_t *to, kdr_lane_bits bits, kdr
     _mm512_mask_storeu_epi32(to, first, _mm512_maskz_compress_epi32((__mmask16)bits, (__m512i)v));
 }
 
+/* The chosen lanes packed low, all of the vector written. */
+KDR_LANES_INLINE void kdr_lanes_pack(float *to, kdr_lane_bits bits, kdr_lanes_f v) {
+    kdr_lanes_store(to, _mm512_maskz_compress_ps((__mmask16)bits, v));
+}
+
+/* Lane i is v[order[i] % 16]. */
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_permute(kdr_lanes_f v, kdr_lanes_u order) {
+    return _mm512_permutexvar_ps((__m512i)order, v);
+}
+
+/* Sixteen numbers of four bits, the lowest first, in the low bits of each lane; what is above them has no meaning. */
+KDR_LANES_INLINE kdr_lanes_u kdr_lanes_nibbles(uint64_t word) {
+    const __m512i shift = _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 0, 4, 8, 12, 16, 20, 24, 28);
+    __m512i low = _mm512_set1_epi32((int)(uint32_t)word);
+    __m512i both = _mm512_mask_set1_epi32(low, 0xff00, (int)(uint32_t)(word >> 32));
+    return (kdr_lanes_u)_mm512_srlv_epi32(both, shift);
+}
+
 #elif KDR_LANES == 8
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) { return _mm256_min_ps(a, b); }

@@ -7,13 +7,17 @@
 #define KDR_GEOMETRY_RAY_FRAME_H
 
 #include "geometry/box.h"
+#include "geometry/quad.h"
 #include "kdray/kdray.h"
 
+#include <stddef.h>
+
 typedef struct kdr_ray_frame {
-    float origin[3], direction[3];
+    float origin[4], direction[4]; /* the fourth of each has no meaning */
     int axis_x, axis_y, axis_z;
     float shear_x, shear_y, scale_z; /* scale_z: 1 / direction on axis z */
-    float doubt;                     /* at least the error of a sheared coordinate of any point in the scene's box */
+    float doubt;                     /* at least the error of a sheared coordinate of any point in the scene's box;
+                                      * infinite: nothing is known in floats */
 } kdr_ray_frame;
 
 /* False if the ray can hit nothing: a component is NaN or an infinite origin or direction, the direction is zero,
@@ -27,30 +31,38 @@ static inline bool kdr_ray_is_valid(const kdr_ray *ray) {
     return origin + direction == 0 && !zero && ray->tmin < ray->tmax;
 }
 
+/* Up to this, in space and along the ray, no product of an edge function and a distance overflows. Beyond it nothing is
+ * sure in floats. */
+#define KDR_RAY_FRAME_LARGEST 0x1p40f
+
 /* The ray must be valid. */
-static inline kdr_ray_frame kdr_ray_frame_of(const kdr_ray *ray, const kdr_box *bounds) {
-    kdr_ray_frame f = {.origin = {ray->origin_x, ray->origin_y, ray->origin_z},
-                       .direction = {ray->direction_x, ray->direction_y, ray->direction_z}};
+static inline __attribute__((always_inline)) kdr_ray_frame kdr_ray_frame_of(const kdr_ray *ray, const kdr_box *bounds) {
+    kdr_ray_frame f;
+    kdr_quad origin = kdr_quad_load(ray), direction = kdr_quad_load((const char *)ray + offsetof(kdr_ray, direction_x));
+    kdr_quad_store(f.origin, origin);
+    kdr_quad_store(f.direction, direction);
 
     /* Shear along the longest axis. */
-    float x = fabsf(f.direction[0]), y = fabsf(f.direction[1]), z = fabsf(f.direction[2]);
+    float x = fabsf(ray->direction_x), y = fabsf(ray->direction_y), z = fabsf(ray->direction_z);
     f.axis_z = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
     f.axis_x = f.axis_z == 2 ? 0 : f.axis_z + 1;
     f.axis_y = f.axis_x == 2 ? 0 : f.axis_x + 1;
-    f.shear_x = f.direction[f.axis_x] / f.direction[f.axis_z];
-    f.shear_y = f.direction[f.axis_y] / f.direction[f.axis_z];
-    f.scale_z = 1 / f.direction[f.axis_z];
+    float shear[4], longest = f.direction[f.axis_z];
+    kdr_quad_store(shear, direction / kdr_quad_all(longest));
+    f.shear_x = shear[f.axis_x];
+    f.shear_y = shear[f.axis_y];
+    f.scale_z = 1 / longest;
 
     /* With m the largest coordinate of a point seen from the origin, a sheared coordinate is off by at most
      * 2^-24 (2 + 4) m: its two terms carry one and three roundings and it has one of its own. The products of an edge
      * function add less than as much again. 16 leaves a quarter unused. */
-    float m = 0;
-    for (int k = 0; k < 3; k++) {
-        float lo = fabsf(bounds->lo[k] - f.origin[k]), hi = fabsf(bounds->hi[k] - f.origin[k]);
-        m = lo > m ? lo : m;
-        m = hi > m ? hi : m;
-    }
-    f.doubt = 16 * 0x1p-24f * m;
+    kdr_quad lo = {bounds->lo[0], bounds->lo[1], bounds->lo[2]}, hi = {bounds->hi[0], bounds->hi[1], bounds->hi[2]};
+    float m[4];
+    kdr_quad_store(m, kdr_quad_max(kdr_quad_abs(lo - origin), kdr_quad_abs(hi - origin)));
+    float m01 = m[0] > m[1] ? m[0] : m[1];
+    float largest = m01 > m[2] ? m01 : m[2];
+    bool in_range = largest <= KDR_RAY_FRAME_LARGEST && largest * fabsf(f.scale_z) <= KDR_RAY_FRAME_LARGEST;
+    f.doubt = in_range ? 16 * 0x1p-24f * largest : INFINITY;
     return f;
 }
 

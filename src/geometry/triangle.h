@@ -70,10 +70,11 @@ static inline bool kdr_triangle_meet(const float o[3], const float d[3], const f
     double num = nx * ax + ny * ay + nz * az;
     double den = nx * dx + ny * dy + nz * dz;
     double size_n = KDR_TRIANGLE_ERROR * kdr_largest3(ex, ey, ez) * kdr_largest3(fx, fy, fz);
-    double q = num / den;
-    double error = fabs(q) * 0x1p-50 + (size_n * size_a + fabs(q) * size_n * size_d) / (fabs(den) - size_n * size_d);
+    double inverse = 1 / den, q = num * inverse;
+    double doubt_n = size_n * size_d;
+    double error = fabs(q) * 0x1p-49 + 2 * fabs(inverse) * (size_n * size_a + fabs(q) * doubt_n);
     float lo = (float)(q - error), hi = (float)(q + error);
-    bool rounded = fabs(den) > size_n * size_d && lo == hi;
+    bool rounded = fabs(den) > 2 * doubt_n && lo == hi;
     hit->t = (rounded ? lo : kdr_triangle_distance_exact(o, d, av, bv, cv)) + 0.0f; /* no negative zero */
 
     /* Weights: all three have one sign, so their sum is as good as they are. */

@@ -38,10 +38,10 @@ static inline __attribute__((always_inline)) bool STEP(walk)(const kdr_tree *tre
 
         /* Ask its block. */
         if (kdr_node_count(node) > 0) {
-            if (any && kdr_block_any(tree->blocks, node, f, tmin, tmax))
+            if (any && kdr_block_any(kdr_block_of(tree->blocks, node), f, tmin, tmax))
                 return true;
             if (!any)
-                kdr_block_closest(tree->blocks, node, f, tmin, closest);
+                kdr_block_closest(kdr_block_of(tree->blocks, node), f, tmin, closest);
         }
 
         /* Take the next cell that begins no later than the closest hit. Widened intervals are not quite in order, so

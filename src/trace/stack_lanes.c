@@ -43,10 +43,8 @@ static __attribute__((noinline)) bool walk_in_double(const kdr_tree *tree, const
     return double_walk(tree, entry->node, &r, f, ray->tmin, ray->tmax, false, closest);
 }
 
-/* `wide`: through the wide tree where there is one; the entry is then the root. */
 static inline __attribute__((always_inline)) bool search(const kdr_tree *tree, const kdr_entry *entry,
-                                                         const kdr_ray *ray, const bool any, const bool wide,
-                                                         kdr_closest *closest) {
+                                                         const kdr_ray *ray, const bool any, kdr_closest *closest) {
     if (!kdr_ray_is_valid(ray) || kdr_box_is_empty(&entry->box))
         return false;
     float_ray r;
@@ -56,8 +54,6 @@ static inline __attribute__((always_inline)) bool search(const kdr_tree *tree, c
     kdr_ray_frame f = kdr_ray_frame_of(ray, &tree->bounds);
     if (__builtin_expect(!holds, 0))
         return walk_in_double(tree, entry, ray, &f, any, closest);
-    if (wide && __builtin_expect(tree->wide != NULL, 1))
-        return kdr_wide_walk(tree, &r, &f, ray->tmin, ray->tmax, any, closest);
     return float_walk(tree, entry->node, &r, &f, ray->tmin, ray->tmax, any, closest);
 }
 
@@ -84,33 +80,44 @@ static inline __attribute__((always_inline)) bool leave(bool answer) {
     return answer;
 }
 
-static bool stack_closest(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray, kdr_found *found) {
+static __attribute__((noinline)) bool stack_closest(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray,
+                                                    kdr_found *found) {
     kdr_closest closest = {.t = ray->tmax, .primitive = UINT32_MAX};
-    bool hit = search(tree, entry, ray, false, false, &closest);
+    bool hit = search(tree, entry, ray, false, &closest);
     if (hit)
         report(&closest, found);
     return leave(hit);
 }
 
-static bool stack_any(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray) {
+static __attribute__((noinline)) bool stack_any(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray) {
     kdr_closest closest = {.primitive = UINT32_MAX};
-    return leave(search(tree, entry, ray, true, false, &closest));
+    return leave(search(tree, entry, ray, true, &closest));
 }
 
-/* Lone rays take the wide tree, which is made where there are lanes for it. */
+/* Lone rays take the wide tree where there is one, if they are of a usual kind. */
 static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *found) {
-    kdr_entry root = kdr_entry_root(tree);
+    wide_ray r;
+    if (__builtin_expect(!wide_begin(&r, ray) || !tree->wide, 0)) {
+        kdr_entry root = kdr_entry_root(tree);
+        return stack_closest(tree, &root, ray, found);
+    }
+    kdr_ray_frame f = kdr_ray_frame_of(ray, &tree->bounds);
     kdr_closest closest = {.t = ray->tmax, .primitive = UINT32_MAX};
-    bool hit = search(tree, &root, ray, false, true, &closest);
+    bool hit = kdr_wide_walk(tree, &r, &f, ray->tmin, ray->tmax, false, &closest);
     if (hit)
         report(&closest, found);
     return leave(hit);
 }
 
 static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
-    kdr_entry root = kdr_entry_root(tree);
+    wide_ray r;
+    if (__builtin_expect(!wide_begin(&r, ray) || !tree->wide, 0)) {
+        kdr_entry root = kdr_entry_root(tree);
+        return stack_any(tree, &root, ray);
+    }
+    kdr_ray_frame f = kdr_ray_frame_of(ray, &tree->bounds);
     kdr_closest closest = {.primitive = UINT32_MAX};
-    return leave(search(tree, &root, ray, true, true, &closest));
+    return leave(kdr_wide_walk(tree, &r, &f, ray->tmin, ray->tmax, true, &closest));
 }
 
 extern const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals);

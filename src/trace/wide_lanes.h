@@ -1,114 +1,137 @@
 /* One ray through the wide tree: sixteen tight boxes a step, KDR_LANES at a time, then leaves of SIMD blocks.
  *
- * Children that the ray meets are visited by their rank in the ray's octant, which is front to back, so nothing is
- * sorted by distance and a hit ends the search of all that begins behind it. Invariants are those of step.h: a box is
- * left out only if the ray misses it by more than the error of its six distances; NaN (a ray in the plane of a face)
- * leaves the interval as it was, since min and max return their second operand. A box encloses all that its cell shows,
- * so whatever the plain traversal finds is found here. Cost: 512 bytes and about 25 operations a vector of boxes.
- * Included after step.h in its float form. */
+ * Children that the ray meets go on a stack in the order of the ray's octant, which is front to back, so nothing is
+ * sorted by distance and a hit ends the search of all that begins behind it. On sixteen lanes no branch depends on how
+ * many are met.
+ *
+ * Invariant: a box is left out only if the ray misses it. A distance (plane - origin) * reciprocal carries four
+ * roundings, so with reciprocals a little too small for the near planes and too large for the far ones, the distances
+ * ahead of the origin are never too large and never too small; NEAREST covers what is lost below the smallest floats.
+ * Hence tmin >= 0. NaN (a ray in the plane of a face) leaves the interval as it was, since min and max return their
+ * second operand. A box encloses all that its cell shows, so whatever the plain traversal finds is found here.
+ * Cost: 512 bytes and about 20 operations a vector of boxes. */
 #ifndef KDR_TRACE_WIDE_LANES_H
 #define KDR_TRACE_WIDE_LANES_H
 
+#include "geometry/quad.h"
 #include "tree/block_lanes.h"
 #include "tree/wide.h"
 
-/* A child that waits: where the ray enters its box, and which it is. */
-typedef struct wide_wait {
-    float enter;
-    uint32_t child;
-} wide_wait;
+typedef struct wide_ray {
+    float origin[4], near[4], far[4]; /* reciprocals for near and far planes */
+    uint32_t octant;                  /* bit k: runs down axis k */
+} wide_ray;
 
-/* A path opens at most KDR_MAX_DEPTH nodes and leaves at most 15 children of each waiting. */
-#define WIDE_STACK (KDR_MAX_DEPTH * (KDR_WIDE - 1) + 1)
+#define WIDE_ROUNDINGS 0x1p-21f
+#define WIDE_NEAREST 0x1p-120f
 
-/* The children whose boxes the ray meets no later than tmax, a bit each, and where it enters them. */
-KDR_LANES_INLINE uint32_t wide_meet(const kdr_wide_node *node, const float_ray *r, float tmax, float enters[KDR_WIDE]) {
-    const float *near[3], *far[3];
+/* False if the ray is not valid or out of the range in which the bounds above hold. */
+KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray) {
+    const float largest = 0x1p100f;
+    kdr_quad origin = kdr_quad_load(ray),
+             direction = kdr_quad_load((const char *)ray + offsetof(kdr_ray, direction_x)) + 0.0f;
+    kdr_quad size = kdr_quad_abs(direction);
+    kdr_quad_i zero = size == 0, sized = (size >= 1 / largest) & (size <= largest);
+    kdr_quad_i usual = (kdr_quad_abs(origin) <= KDR_WIDE_LARGEST) & (zero | sized);
+    bool fits = (kdr_quad_bits(usual) & 7) == 7 && (kdr_quad_bits(zero) & 7) != 7;
+    kdr_quad reciprocal = 1 / direction;
+    kdr_quad_store(r->origin, origin);
+    kdr_quad_store(r->near, reciprocal * (1 - WIDE_ROUNDINGS));
+    kdr_quad_store(r->far, reciprocal * (1 + WIDE_ROUNDINGS));
+    r->octant = kdr_quad_bits(direction < 0) & 7;
+    return fits && ray->tmin >= 0 && ray->tmin < ray->tmax;
+}
+
+/* Children that wait. A path opens at most KDR_MAX_DEPTH nodes and leaves at most 15 children of each waiting; a whole
+ * vector is written behind them. */
+#define WIDE_STACK (KDR_MAX_DEPTH * (KDR_WIDE - 1) + 1 + KDR_WIDE)
+
+typedef struct wide_stack {
+    float enter[WIDE_STACK]; /* where the ray enters the child's box */
+    uint32_t child[WIDE_STACK];
+    uint32_t top;
+} wide_stack;
+
+/* Where the ray enters and leaves KDR_LANES boxes of a node from place i on, within [tmin, tmax]. */
+KDR_LANES_INLINE void wide_meet(const kdr_wide_node *node, const wide_ray *r, uint32_t i, float tmin, float tmax,
+                                kdr_lanes_f *enter, kdr_lanes_f *leave) {
+    const kdr_lanes_f nearest = kdr_lanes_all(WIDE_NEAREST);
+    kdr_lanes_f sooner[3], later[3];
     for (int k = 0; k < 3; k++) {
-        near[k] = r->near_is_right[k] ? node->hi[k] : node->lo[k];
-        far[k] = r->near_is_right[k] ? node->lo[k] : node->hi[k];
+        bool down = r->octant >> k & 1;
+        const float *near = down ? node->hi[k] : node->lo[k], *far = down ? node->lo[k] : node->hi[k];
+        sooner[k] = kdr_lanes_add_product(-nearest, kdr_lanes_load(near + i) - r->origin[k], kdr_lanes_all(r->near[k]));
+        later[k] = kdr_lanes_add_product(nearest, kdr_lanes_load(far + i) - r->origin[k], kdr_lanes_all(r->far[k]));
     }
-    uint32_t met = 0;
+    *enter = kdr_lanes_max(sooner[2], kdr_lanes_max(sooner[1], kdr_lanes_max(sooner[0], kdr_lanes_all(tmin))));
+    *leave = kdr_lanes_min(later[2], kdr_lanes_min(later[1], kdr_lanes_min(later[0], kdr_lanes_all(tmax))));
+}
+
+#if KDR_LANES == KDR_WIDE
+
+/* Puts the children that the ray meets no later than tmax on the stack, the first on top. */
+KDR_LANES_INLINE void wide_open(const kdr_wide_node *node, const wide_ray *r, float tmin, float tmax,
+                                wide_stack *stack) {
+    kdr_lanes_f enter, leave;
+    wide_meet(node, r, 0, tmin, tmax, &enter, &leave);
+    kdr_lanes_u order = kdr_lanes_nibbles(node->order[r->octant]);
+    enter = kdr_lanes_permute(enter, order);
+    leave = kdr_lanes_permute(leave, order);
+    kdr_lanes_u child = (kdr_lanes_u)kdr_lanes_permute((kdr_lanes_f)kdr_lanes_load_u(node->child), order);
+    kdr_lane_bits met = KDR_LANE_BITS_ALL & ~kdr_lanes_less(leave, enter);
+    kdr_lanes_pack(&stack->enter[stack->top], met, enter);
+    kdr_lanes_pack((float *)&stack->child[stack->top], met, (kdr_lanes_f)child);
+    stack->top += (uint32_t)__builtin_popcount(met);
+}
+
+#else
+
+KDR_LANES_INLINE void wide_open(const kdr_wide_node *node, const wide_ray *r, float tmin, float tmax,
+                                wide_stack *stack) {
+    float enters[KDR_WIDE];
+    uint32_t met = 0, top = stack->top;
     for (uint32_t i = 0; i < KDR_WIDE; i += KDR_LANES) {
-        kdr_lanes_f enter = kdr_lanes_all(-INFINITY), leave = kdr_lanes_all(INFINITY);
-        for (int k = 0; k < 3; k++) {
-            enter = kdr_lanes_max((kdr_lanes_load(near[k] + i) - r->origin[k]) * r->reciprocal[k], enter);
-            leave = kdr_lanes_min((kdr_lanes_load(far[k] + i) - r->origin[k]) * r->reciprocal[k], leave);
-        }
-        enter = kdr_lanes_max(enter - r->slack, kdr_lanes_all(r->tmin));
-        leave = kdr_lanes_min(leave + r->slack, kdr_lanes_all(tmax));
+        kdr_lanes_f enter, leave;
+        wide_meet(node, r, i, tmin, tmax, &enter, &leave);
         kdr_lanes_store(enters + i, enter);
         met |= (KDR_LANE_BITS_ALL & ~kdr_lanes_less(leave, enter)) << i;
     }
-    return met;
+    uint64_t order = node->order[r->octant];
+    for (uint32_t i = 0; i < KDR_WIDE; i++, order >>= 4) {
+        uint32_t place = order & 15;
+        stack->enter[top] = enters[place];
+        stack->child[top] = node->child[place];
+        top += met >> place & 1;
+    }
+    stack->top = top;
 }
 
-/* Puts all children met but the first on the stack, the last of them lowest, and returns the first. Their order is that
- * of their ranks, so nothing is compared but small whole numbers. */
-KDR_LANES_INLINE uint32_t wide_push(const kdr_wide_node *node, uint32_t met, uint32_t rank_shift,
-                                    const float enters[KDR_WIDE], wide_wait *stack, uint32_t *top) {
-    uint32_t a = (uint32_t)__builtin_ctz(met);
-    met &= met - 1;
-    if (met == 0)
-        return node->child[a];
-    uint32_t b = (uint32_t)__builtin_ctz(met);
-    met &= met - 1;
-    if (met == 0) {
-        bool swapped = (node->rank[b] >> rank_shift & 15) < (node->rank[a] >> rank_shift & 15);
-        uint32_t first = swapped ? b : a, second = swapped ? a : b;
-        stack[(*top)++] = (wide_wait){enters[second], node->child[second]};
-        return node->child[first];
-    }
+#endif
 
-    /* Three or more: a place for each rank. */
-    uint8_t at[KDR_WIDE];
-    uint32_t ranks = 0;
-    for (met |= 1u << a | 1u << b; met; met &= met - 1) {
-        uint32_t child = (uint32_t)__builtin_ctz(met), rank = node->rank[child] >> rank_shift & 15;
-        at[rank] = (uint8_t)child;
-        ranks |= 1u << rank;
-    }
-    uint32_t first = (uint32_t)__builtin_ctz(ranks);
-    for (ranks &= ranks - 1; ranks;) {
-        uint32_t last = 31 - (uint32_t)__builtin_clz(ranks);
-        stack[(*top)++] = (wide_wait){enters[at[last]], node->child[at[last]]};
-        ranks ^= 1u << last;
-    }
-    return node->child[at[first]];
-}
-
-KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const float_ray *r, const kdr_ray_frame *f, float tmin,
-                                    float tmax, const bool any, kdr_closest *closest) {
-    const uint32_t octant = r->near_is_right[0] | r->near_is_right[1] << 1 | r->near_is_right[2] << 2;
-    wide_wait stack[WIDE_STACK];
-    float enters[KDR_WIDE];
-    uint32_t top = 0, child = 0;
+/* `end`: the ray's tmax. */
+KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const wide_ray *r, const kdr_ray_frame *f, float tmin,
+                                    float end, const bool any, kdr_closest *closest) {
+    wide_stack stack;
+    stack.top = 0;
+    uint32_t child = 0;
     for (;;) {
         if (!(child & KDR_WIDE_LEAF)) {
-            /* Open a node, and go on with the first child that the ray meets. */
-            const kdr_wide_node *node = &tree->wide[child];
-            float end = !any && closest->t < r->tmax ? closest->t : r->tmax;
-            uint32_t met = wide_meet(node, r, end, enters);
-            if (met != 0) {
-                child = wide_push(node, met, 4 * octant, enters, stack, &top);
-                continue;
-            }
+            wide_open(&tree->wide[child], r, tmin, any ? end : closest->t, &stack);
         } else {
-            /* Ask a leaf. */
-            kdr_node leaf = tree->nodes[child & ~KDR_WIDE_LEAF];
-            if (any && kdr_block_any(tree->blocks, leaf, f, tmin, tmax))
+            kdr_block block = kdr_wide_block(tree, child);
+            if (any && kdr_block_any(block, f, tmin, end))
                 return true;
             if (!any)
-                kdr_block_closest(tree->blocks, leaf, f, tmin, closest);
+                kdr_block_closest(block, f, tmin, closest);
         }
 
         /* Take the next child that begins no later than the closest hit. */
         do {
-            if (top == 0)
+            if (stack.top == 0)
                 return !any && closest->primitive != UINT32_MAX;
-            top--;
-        } while (!any && stack[top].enter > closest->t);
-        child = stack[top].child;
+            stack.top--;
+        } while (!any && stack.enter[stack.top] > closest->t);
+        child = stack.child[stack.top];
     }
 }
 

@@ -5,7 +5,8 @@
  *   each p long a.x  a.y  a.z  b.x  b.y  b.z  c.x  c.y  c.z  primitive        p = 4 x groups
  *
  * One layout serves every width of lanes: a leaf of n triangles is met in ceil(n / lanes) steps, the last one under a
- * mask, and wastes at most three lanes of memory (40 bytes each). A leaf's first item is the number of its first group.
+ * mask, and wastes at most three lanes of memory (40 bytes each). These repeat the leaf's last triangle, so that they
+ * are missed where it is, and their primitive is UINT32_MAX. A leaf's first item is the number of its first group.
  * Reads of a full vector may run past the last block: 60 bytes behind it are readable.
  *
  * Only this header and block_lanes.h know this. Builders say which primitives a leaf has; traversals ask
@@ -28,22 +29,31 @@ static inline uint32_t kdr_block_groups(uint32_t count) {
     return (uint32_t)(((uint64_t)count + KDR_BLOCK_GROUP - 1) / KDR_BLOCK_GROUP);
 }
 
-static inline const float *kdr_block_row(const float *blocks, kdr_node leaf, uint32_t row) {
-    size_t length = (size_t)kdr_block_groups(kdr_node_count(leaf)) * KDR_BLOCK_GROUP;
-    size_t first = (size_t)kdr_node_first(leaf) * (KDR_BLOCK_GROUP_BYTES / sizeof(float));
-    return blocks + first + row * length;
+/* Where a block lies. */
+typedef struct kdr_block {
+    const float *rows;
+    size_t length; /* of a row: a multiple of 4 */
+} kdr_block;
+
+static inline kdr_block kdr_block_at(const float *blocks, uint32_t first, uint32_t groups) {
+    return (kdr_block){blocks + (size_t)first * (KDR_BLOCK_GROUP_BYTES / sizeof(float)),
+                       (size_t)groups * KDR_BLOCK_GROUP};
 }
 
-static inline uint32_t kdr_block_primitive(const float *blocks, kdr_node leaf, uint32_t i) {
+static inline kdr_block kdr_block_of(const float *blocks, kdr_node leaf) {
+    return kdr_block_at(blocks, kdr_node_first(leaf), kdr_block_groups(kdr_node_count(leaf)));
+}
+
+static inline uint32_t kdr_block_primitive(kdr_block block, size_t i) {
     uint32_t primitive;
-    memcpy(&primitive, kdr_block_row(blocks, leaf, 9) + i, sizeof primitive);
+    memcpy(&primitive, block.rows + 9 * block.length + i, sizeof primitive);
     return primitive;
 }
 
-/* Vertices of triangle i of a leaf. */
-static inline void kdr_block_triangle(const float *blocks, kdr_node leaf, uint32_t i, float vertices[3][3]) {
+/* Vertices of triangle i of a block. */
+static inline void kdr_block_triangle(kdr_block block, size_t i, float vertices[3][3]) {
     for (uint32_t row = 0; row < 9; row++)
-        vertices[row / 3][row % 3] = kdr_block_row(blocks, leaf, row)[i];
+        vertices[row / 3][row % 3] = block.rows[row * block.length + i];
 }
 
 /* Sets triangle i of a leaf's block. */
@@ -56,21 +66,22 @@ static inline void kdr_block_set(float *blocks, kdr_node leaf, uint32_t i, const
     memcpy(&at[9 * length], &primitive, sizeof primitive);
 }
 
-/* Makes what is left of a leaf's last group triangles without area. */
+/* Fills what is left of a leaf's last group. The leaf holds a triangle. */
 static inline void kdr_block_pad(float *blocks, kdr_node leaf) {
-    static const float nothing[3][3];
     uint32_t count = kdr_node_count(leaf), length = kdr_block_groups(count) * KDR_BLOCK_GROUP;
+    float last[3][3];
+    kdr_block_triangle(kdr_block_of(blocks, leaf), count - 1, last);
     for (uint32_t i = count; i < length; i++)
-        kdr_block_set(blocks, leaf, i, nothing, UINT32_MAX);
+        kdr_block_set(blocks, leaf, i, (const float(*)[3])last, UINT32_MAX);
 }
 
 /* The union of the leaf's triangles' boxes, each cut to the leaf's cell: what a ray can meet in that cell. */
 static inline kdr_box kdr_block_box(const float *blocks, kdr_node leaf, const kdr_box *cell) {
     uint32_t count = kdr_node_count(leaf);
+    kdr_block block = kdr_block_of(blocks, leaf);
     kdr_box box = kdr_box_empty();
     for (uint32_t k = 0; k < 3; k++) {
-        const float *a = kdr_block_row(blocks, leaf, k), *b = kdr_block_row(blocks, leaf, 3 + k);
-        const float *c = kdr_block_row(blocks, leaf, 6 + k);
+        const float *a = block.rows + k * block.length, *b = a + 3 * block.length, *c = b + 3 * block.length;
         float least = INFINITY, most = -INFINITY;
         for (uint32_t i = 0; i < count; i++) {
             float lo = a[i] < b[i] ? a[i] : b[i], hi = a[i] < b[i] ? b[i] : a[i];

@@ -18,7 +18,7 @@ static bool hash_node(const kdr_tree *tree, const kdr_walk *at, void *context) {
     uint32_t count = kdr_node_count(node);
     *hash = mix(*hash, (uint64_t)count << 32 | KDR_NODE_LEAF);
     for (uint32_t i = 0; i < count; i++)
-        *hash = mix(*hash, kdr_block_primitive(tree->blocks, node, i));
+        *hash = mix(*hash, kdr_block_primitive(kdr_block_of(tree->blocks, node), i));
     return true;
 }
 

@@ -21,7 +21,7 @@ static bool fail(verifying *v, const char *sentence) {
 
 static kdr_box triangle_box(const kdr_tree *tree, kdr_node leaf, uint32_t i) {
     float t[3][3];
-    kdr_block_triangle(tree->blocks, leaf, i, t);
+    kdr_block_triangle(kdr_block_of(tree->blocks, leaf), i, t);
     kdr_box box;
     for (int k = 0; k < 3; k++) {
         box.lo[k] = fminf(t[0][k], fminf(t[1][k], t[2][k]));
@@ -34,12 +34,12 @@ static bool leaf_holds(const kdr_tree *tree, kdr_node leaf, uint32_t primitive) 
     uint32_t lo = 0, hi = kdr_node_count(leaf);
     while (lo < hi) {
         uint32_t middle = lo + (hi - lo) / 2;
-        if (kdr_block_primitive(tree->blocks, leaf, middle) < primitive)
+        if (kdr_block_primitive(kdr_block_of(tree->blocks, leaf), middle) < primitive)
             lo = middle + 1;
         else
             hi = middle;
     }
-    return lo < kdr_node_count(leaf) && kdr_block_primitive(tree->blocks, leaf, lo) == primitive;
+    return lo < kdr_node_count(leaf) && kdr_block_primitive(kdr_block_of(tree->blocks, leaf), lo) == primitive;
 }
 
 /* True if the primitive is wherever it must be below this node. *first becomes the first leaf that holds it. */
@@ -69,8 +69,8 @@ static bool verify_leaf(const kdr_tree *tree, const kdr_walk *at, verifying *v) 
     if (count > 0 && (uint64_t)kdr_node_first(node) + kdr_block_groups(count) > tree->group_count)
         return fail(v, "a leaf's block lies outside the blocks");
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t primitive = kdr_block_primitive(tree->blocks, node, i);
-        if (i > 0 && primitive <= kdr_block_primitive(tree->blocks, node, i - 1))
+        uint32_t primitive = kdr_block_primitive(kdr_block_of(tree->blocks, node), i);
+        if (i > 0 && primitive <= kdr_block_primitive(kdr_block_of(tree->blocks, node), i - 1))
             return fail(v, "the primitives of a leaf are not in ascending order");
         kdr_box box = triangle_box(tree, node, i);
         for (int k = 0; k < 3; k++)

@@ -111,6 +111,27 @@ static void rank_members(const opening *o, uint32_t at, uint32_t before, uint32_
     rank_members(o, right, before + (left_count & ~mask), rank);
 }
 
+/* Writes the members' places in the order of their ranks, the last first; unused places fill up the word. */
+static void order_members(const opening *o, uint64_t order[8]) {
+    uint32_t rank[KDR_WIDE];
+    rank_members(o, 0, 0, rank);
+    for (uint32_t octant = 0; octant < 8; octant++) {
+        order[octant] = 0;
+        for (uint64_t i = 0; i < KDR_WIDE; i++) {
+            uint64_t at = i < o->member_count ? o->member_count - 1 - (rank[i] >> 4 * octant & 15) : i;
+            order[octant] |= i << 4 * at;
+        }
+    }
+}
+
+static uint32_t leaf_child(const writer *w, uint32_t node) {
+    uint32_t first = kdr_node_first(w->tree->nodes[node]),
+             groups = kdr_block_groups(kdr_node_count(w->tree->nodes[node]));
+    if (groups > KDR_WIDE_MAX_GROUPS || first > KDR_WIDE_MAX_INDEX)
+        return KDR_WIDE_LEAF | node << KDR_WIDE_GROUP_BITS;
+    return KDR_WIDE_LEAF | first << KDR_WIDE_GROUP_BITS | groups;
+}
+
 /* Moves the nodes written so far into memory for `capacity`. */
 static void change_capacity(writer *w, uint32_t capacity) {
     size_t size = capacity * sizeof(kdr_wide_node);
@@ -139,12 +160,11 @@ static uint32_t write_node(writer *w, uint32_t root) {
             out->hi[k][i] = box.hi[k];
         }
         out->child[i] = KDR_WIDE_LEAF;
-        out->rank[i] = 0;
     }
-    rank_members(&o, 0, 0, out->rank);
+    order_members(&o, out->order);
     for (uint32_t i = 0; i < o.member_count; i++) {
         bool leaf = o.member[i].area < 0;
-        uint32_t child = leaf ? KDR_WIDE_LEAF | o.member[i].node : write_node(w, o.member[i].node);
+        uint32_t child = leaf ? leaf_child(w, o.member[i].node) : write_node(w, o.member[i].node);
         if (!w->out)
             return 0;
         w->out[index].child[i] = child;
@@ -164,8 +184,12 @@ static void join_boxes(const kdr_tree *tree, kdr_box *boxes) {
 }
 
 bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_box *boxes) {
-    if (kdr_node_is_leaf(tree->nodes[0]))
+    if (kdr_node_is_leaf(tree->nodes[0]) || tree->node_count > KDR_WIDE_MAX_INDEX)
         return true;
+    for (int k = 0; k < 3; k++) {
+        if (tree->bounds.lo[k] < -KDR_WIDE_LARGEST || tree->bounds.hi[k] > KDR_WIDE_LARGEST)
+            return true;
+    }
     join_boxes(tree, boxes);
 
     /* A node opens up to 15 interior ones, and mostly does. */

@@ -16,14 +16,32 @@
 
 typedef struct kdr_wide_node {
     _Alignas(64) float lo[3][KDR_WIDE], hi[3][KDR_WIDE]; /* an unused place has an empty box */
-    uint32_t child[KDR_WIDE]; /* a wide node, or KDR_WIDE_LEAF | index of a leaf among the nodes */
-    uint32_t rank[KDR_WIDE];  /* four bits an octant: the child's place in its order; octant bit k: runs down axis k */
+    uint32_t child[KDR_WIDE];
+    /* The children in the order of each octant of directions, the last first, four bits each; those of unused places
+     * come after. Octant bit k: the ray runs down axis k. */
+    uint64_t order[8];
 } kdr_wide_node;
 
+/* A child is a wide node, a block, or, where a block is too long or lies too far, a leaf of the tree. */
 #define KDR_WIDE_LEAF 0x80000000u
+#define KDR_WIDE_GROUP_BITS 4
+#define KDR_WIDE_MAX_GROUPS ((1u << KDR_WIDE_GROUP_BITS) - 1)
+#define KDR_WIDE_MAX_INDEX ((1u << (31 - KDR_WIDE_GROUP_BITS)) - 1)
+
+/* The block of a child that is a leaf. */
+static inline kdr_block kdr_wide_block(const kdr_tree *tree, uint32_t child) {
+    uint32_t groups = child & KDR_WIDE_MAX_GROUPS, index = (child & ~KDR_WIDE_LEAF) >> KDR_WIDE_GROUP_BITS;
+    if (__builtin_expect(groups == 0, 0))
+        return kdr_block_of(tree->blocks, tree->nodes[index]);
+    return kdr_block_at(tree->blocks, index, groups);
+}
+
+/* Coordinates beyond this have no wide tree: distances in it must not overflow. */
+#define KDR_WIDE_LARGEST 0x1p99f
 
 /* Makes the wide nodes. boxes has one entry a node: for leaf i its tight box; those of interior nodes are written here.
- * A tree whose root is a leaf has no wide nodes. False when there is no memory. */
+ * No wide nodes are made for a tree whose root is a leaf, that has more than 2^27 nodes, or whose coordinates are too
+ * large. False when there is no memory. */
 bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_box *boxes);
 
 #endif

@@ -1,0 +1,42 @@
+/* Four floats in a register, the same on every machine: a point or a direction, the fourth number along for the ride.
+ */
+#ifndef KDR_GEOMETRY_QUAD_H
+#define KDR_GEOMETRY_QUAD_H
+
+#include <stdint.h>
+#include <string.h>
+
+typedef float kdr_quad __attribute__((vector_size(16)));
+typedef int32_t kdr_quad_i __attribute__((vector_size(16)));
+
+#define KDR_QUAD_INLINE static inline __attribute__((always_inline, unused))
+
+KDR_QUAD_INLINE kdr_quad kdr_quad_load(const void *from) {
+    kdr_quad q;
+    memcpy(&q, from, sizeof q);
+    return q;
+}
+
+KDR_QUAD_INLINE void kdr_quad_store(float to[4], kdr_quad q) { memcpy(to, &q, sizeof q); }
+
+KDR_QUAD_INLINE kdr_quad kdr_quad_all(float x) { return x - (kdr_quad){0}; }
+
+KDR_QUAD_INLINE kdr_quad kdr_quad_abs(kdr_quad q) { return (kdr_quad)((kdr_quad_i)q & 0x7fffffff); }
+
+/* The second where either is NaN. */
+KDR_QUAD_INLINE kdr_quad kdr_quad_max(kdr_quad a, kdr_quad b) {
+    kdr_quad_i more = a > b;
+    return (kdr_quad)(((kdr_quad_i)a & more) | ((kdr_quad_i)b & ~more));
+}
+
+/* Bit k: comparison k holds. */
+KDR_QUAD_INLINE uint32_t kdr_quad_bits(kdr_quad_i comparison) {
+#if defined(__SSE__)
+    return (uint32_t)__builtin_ia32_movmskps((kdr_quad)comparison);
+#else
+    return (uint32_t)(comparison[0] & 1) | (uint32_t)(comparison[1] & 2) | (uint32_t)(comparison[2] & 4) |
+           (uint32_t)(comparison[3] & 8);
+#endif
+}
+
+#endif
