@@ -36,22 +36,22 @@ static inline bool kdr_ray_is_valid(const kdr_ray *ray) {
 #define KDR_RAY_FRAME_LARGEST 0x1p40f
 
 /* The ray must be valid. */
-static inline __attribute__((always_inline)) kdr_ray_frame kdr_ray_frame_of(const kdr_ray *ray, const kdr_box *bounds) {
-    kdr_ray_frame f;
+static inline __attribute__((always_inline)) void kdr_ray_frame_set(kdr_ray_frame *f, const kdr_ray *ray,
+                                                                    const kdr_box *bounds) {
     kdr_quad origin = kdr_quad_load(ray), direction = kdr_quad_load((const char *)ray + offsetof(kdr_ray, direction_x));
-    kdr_quad_store(f.origin, origin);
-    kdr_quad_store(f.direction, direction);
+    kdr_quad_store(f->origin, origin);
+    kdr_quad_store(f->direction, direction);
 
     /* Shear along the longest axis. */
     float x = fabsf(ray->direction_x), y = fabsf(ray->direction_y), z = fabsf(ray->direction_z);
-    f.axis_z = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
-    f.axis_x = f.axis_z == 2 ? 0 : f.axis_z + 1;
-    f.axis_y = f.axis_x == 2 ? 0 : f.axis_x + 1;
-    float shear[4], longest = f.direction[f.axis_z];
+    f->axis_z = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
+    f->axis_x = f->axis_z == 2 ? 0 : f->axis_z + 1;
+    f->axis_y = f->axis_x == 2 ? 0 : f->axis_x + 1;
+    float shear[4], longest = f->direction[f->axis_z];
     kdr_quad_store(shear, direction / kdr_quad_all(longest));
-    f.shear_x = shear[f.axis_x];
-    f.shear_y = shear[f.axis_y];
-    f.scale_z = 1 / longest;
+    f->shear_x = shear[f->axis_x];
+    f->shear_y = shear[f->axis_y];
+    f->scale_z = 1 / longest;
 
     /* With m the largest coordinate of a point seen from the origin, a sheared coordinate is off by at most
      * 2^-24 (2 + 4) m: its two terms carry one and three roundings and it has one of its own. The products of an edge
@@ -61,9 +61,8 @@ static inline __attribute__((always_inline)) kdr_ray_frame kdr_ray_frame_of(cons
     kdr_quad_store(m, kdr_quad_max(kdr_quad_abs(lo - origin), kdr_quad_abs(hi - origin)));
     float m01 = m[0] > m[1] ? m[0] : m[1];
     float largest = m01 > m[2] ? m01 : m[2];
-    bool in_range = largest <= KDR_RAY_FRAME_LARGEST && largest * fabsf(f.scale_z) <= KDR_RAY_FRAME_LARGEST;
-    f.doubt = in_range ? 16 * 0x1p-24f * largest : INFINITY;
-    return f;
+    bool in_range = largest <= KDR_RAY_FRAME_LARGEST && largest * fabsf(f->scale_z) <= KDR_RAY_FRAME_LARGEST;
+    f->doubt = in_range ? 16 * 0x1p-24f * largest : INFINITY;
 }
 
 #endif

@@ -51,7 +51,8 @@ static inline __attribute__((always_inline)) bool search(const kdr_tree *tree, c
     bool holds;
     if (!float_begin(&r, ray, &entry->box, &holds) && holds)
         return false;
-    kdr_ray_frame f = kdr_ray_frame_of(ray, &tree->bounds);
+    kdr_ray_frame f;
+    kdr_ray_frame_set(&f, ray, &tree->bounds);
     if (__builtin_expect(!holds, 0))
         return walk_in_double(tree, entry, ray, &f, any, closest);
     return float_walk(tree, entry->node, &r, &f, ray->tmin, ray->tmax, any, closest);
@@ -59,11 +60,12 @@ static inline __attribute__((always_inline)) bool search(const kdr_tree *tree, c
 
 /* Hands over what was found, with the normal from the triangle's own vertices. */
 static void report(const kdr_closest *closest, kdr_found *found) {
-    const float *a = closest->vertices[0], *b = closest->vertices[1], *c = closest->vertices[2];
+    float corner[3][3];
+    kdr_block_triangle(closest->block, closest->place, corner);
     double e[3], g[3];
     for (int k = 0; k < 3; k++) {
-        e[k] = (double)b[k] - a[k];
-        g[k] = (double)c[k] - a[k];
+        e[k] = (double)corner[1][k] - corner[0][k];
+        g[k] = (double)corner[2][k] - corner[0][k];
     }
     found->normal[0] = (float)(e[1] * g[2] - e[2] * g[1]);
     found->normal[1] = (float)(e[2] * g[0] - e[0] * g[2]);
@@ -101,7 +103,8 @@ static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *
         kdr_entry root = kdr_entry_root(tree);
         return stack_closest(tree, &root, ray, found);
     }
-    kdr_ray_frame f = kdr_ray_frame_of(ray, &tree->bounds);
+    kdr_ray_frame f;
+    kdr_ray_frame_set(&f, ray, &tree->bounds);
     kdr_closest closest = {.t = ray->tmax, .primitive = UINT32_MAX};
     bool hit = kdr_wide_walk(tree, &r, &f, ray->tmin, ray->tmax, false, &closest);
     if (hit)
@@ -115,7 +118,8 @@ static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
         kdr_entry root = kdr_entry_root(tree);
         return stack_any(tree, &root, ray);
     }
-    kdr_ray_frame f = kdr_ray_frame_of(ray, &tree->bounds);
+    kdr_ray_frame f;
+    kdr_ray_frame_set(&f, ray, &tree->bounds);
     kdr_closest closest = {.primitive = UINT32_MAX};
     return leave(kdr_wide_walk(tree, &r, &f, ray->tmin, ray->tmax, true, &closest));
 }

@@ -16,7 +16,8 @@
 typedef struct kdr_closest {
     float t, u, v;
     uint32_t primitive;
-    float vertices[3][3];
+    kdr_block block; /* where it lies, at `place` */
+    size_t place;
 } kdr_closest;
 
 /* Lanes as the edge functions of the sheared triangles left them. */
@@ -101,11 +102,19 @@ KDR_LANES_INLINE uint32_t kdr_block_nearest(const kdr_block_distances *d, kdr_la
     return nearest;
 }
 
+KDR_LANES_INLINE kdr_corners kdr_block_corners(kdr_block block, size_t i) {
+    const float *at = block.rows + i;
+    kdr_corners corners;
+    for (size_t k = 0; k < 3; k++, at += block.length)
+        corners.axis[k] = (kdr_quad){at[0], at[3 * block.length], at[6 * block.length]};
+    return corners;
+}
+
 /* Decides one triangle that passed the filter. */
 static __attribute__((noinline, unused)) bool kdr_block_decide(kdr_block block, size_t i, const kdr_ray_frame *f,
-                                                               float vertices[3][3], kdr_triangle_hit *hit) {
-    kdr_block_triangle(block, i, vertices);
-    return kdr_triangle_meet(f->origin, f->direction, vertices[0], vertices[1], vertices[2], hit);
+                                                               kdr_triangle_hit *hit) {
+    kdr_corners corners = kdr_block_corners(block, i);
+    return kdr_triangle_meet(f->origin, f->direction, &corners, hit);
 }
 
 /* Makes *closest the closest of itself and the block's hits beyond tmin; of equal distances the lowest primitive. */
@@ -125,8 +134,7 @@ KDR_LANES_INLINE void kdr_block_closest(kdr_block block, const kdr_ray_frame *f,
             left ^= 1u << lane;
             uint32_t primitive = kdr_block_primitive(block, first + lane);
             kdr_triangle_hit hit;
-            float vertices[3][3];
-            if (primitive == UINT32_MAX || !kdr_block_decide(block, first + lane, f, vertices, &hit))
+            if (primitive == UINT32_MAX || !kdr_block_decide(block, first + lane, f, &hit))
                 continue;
             bool closer = hit.t < closest->t || (hit.t == closest->t && primitive < closest->primitive);
             if (hit.t > tmin && closer) {
@@ -134,7 +142,8 @@ KDR_LANES_INLINE void kdr_block_closest(kdr_block block, const kdr_ray_frame *f,
                 closest->u = hit.u;
                 closest->v = hit.v;
                 closest->primitive = primitive;
-                memcpy(closest->vertices, vertices, sizeof vertices);
+                closest->block = block;
+                closest->place = first + lane;
                 kdr_block_compare(&d, hit.t, &out, &in);
                 left &= ~out;
             }
@@ -162,9 +171,8 @@ KDR_LANES_INLINE bool kdr_block_any(kdr_block block, const kdr_ray_frame *f, flo
         for (left &= ~(before | beyond); left; left &= left - 1) {
             size_t i = first + (uint32_t)__builtin_ctz(left);
             kdr_triangle_hit hit;
-            float vertices[3][3];
-            if (kdr_block_primitive(block, i) != UINT32_MAX && kdr_block_decide(block, i, f, vertices, &hit) &&
-                hit.t > tmin && hit.t <= tmax)
+            if (kdr_block_primitive(block, i) != UINT32_MAX && kdr_block_decide(block, i, f, &hit) && hit.t > tmin &&
+                hit.t <= tmax)
                 return true;
         }
     }
