@@ -4,12 +4,9 @@
  * sorted by distance and a hit ends the search of all that begins behind it. On sixteen lanes no branch depends on how
  * many are met.
  *
- * Invariant: a box is left out only if the ray misses it. A distance (plane - origin) * reciprocal carries four
- * roundings, so with reciprocals a little too small for the near planes and too large for the far ones, the distances
- * ahead of the origin are never too large and never too small; NEAREST covers what is lost below the smallest floats.
- * Hence tmin >= 0. NaN (a ray in the plane of a face) leaves the interval as it was, since min and max return their
- * second operand. A box encloses all that its cell shows, so whatever the plain traversal finds is found here.
- * Cost: 512 bytes and about 20 operations a vector of boxes. */
+ * Invariant: a box is left out only if the ray misses it. A distance is plane * reciprocal - origin * reciprocal, with
+ * room for its roundings put into the second term: see wide_begin. A box encloses all that its cell shows, so whatever
+ * the plain traversal finds is found here. Cost: 512 bytes and about 15 operations a vector of boxes. */
 #ifndef KDR_TRACE_WIDE_LANES_H
 #define KDR_TRACE_WIDE_LANES_H
 
@@ -18,27 +15,38 @@
 #include "tree/wide.h"
 
 typedef struct wide_ray {
-    float origin[4], near[4], far[4]; /* reciprocals for near and far planes */
-    uint32_t octant;                  /* bit k: runs down axis k */
+    float reciprocal[4];
+    float near[4], far[4]; /* added to plane * reciprocal: a distance not too large, and one not too small */
+    uint32_t octant;       /* bit k: runs down axis k */
 } wide_ray;
 
-#define WIDE_ROUNDINGS 0x1p-21f
-#define WIDE_NEAREST 0x1p-120f
-
-/* False if the ray is not valid or out of the range in which the bounds above hold. */
-KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray) {
-    const float largest = 0x1p100f;
-    kdr_quad origin = kdr_quad_load(ray),
-             direction = kdr_quad_load((const char *)ray + offsetof(kdr_ray, direction_x)) + 0.0f;
+/* False if the ray is not valid or not of the usual kind: sizes out of range, tmin < 0.
+ *
+ * With o the origin, B the largest coordinate on the axis and r the reciprocal, a distance has roundings of its two
+ * products, of r, of what is put together here and of the last sum: each at most 2^-24 of (|o| + B) |r|, eight of
+ * them at most, and at most 2^-120 is lost below the smallest floats.
+ * r is kept below 2^30 of that of the longest axis L, so that a ray along an axis needs no case of its own: where it
+ * is cut, boxes that reach the origin's side of a plane get distances of at most 0 and at least 2^8 (|o| + B) / L,
+ * which is more than any in the scene; the others get nearer ones than are true. */
+KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray, const kdr_box *bounds) {
+    const float largest = 0x1p60f;
+    kdr_quad origin = kdr_quad_load(ray), direction = kdr_quad_load((const char *)ray + offsetof(kdr_ray, direction_x));
     kdr_quad size = kdr_quad_abs(direction);
-    kdr_quad_i zero = size == 0, sized = (size >= 1 / largest) & (size <= largest);
-    kdr_quad_i usual = (kdr_quad_abs(origin) <= KDR_WIDE_LARGEST) & (zero | sized);
-    bool fits = (kdr_quad_bits(usual) & 7) == 7 && (kdr_quad_bits(zero) & 7) != 7;
-    kdr_quad reciprocal = 1 / direction;
-    kdr_quad_store(r->origin, origin);
-    kdr_quad_store(r->near, reciprocal * (1 - WIDE_ROUNDINGS));
-    kdr_quad_store(r->far, reciprocal * (1 + WIDE_ROUNDINGS));
-    r->octant = kdr_quad_bits(direction < 0) & 7;
+    float longest = size[0] > size[1] ? size[0] : size[1];
+    longest = size[2] > longest ? size[2] : longest;
+    kdr_quad_i usual = (kdr_quad_abs(origin) <= KDR_WIDE_LARGEST) & (size <= largest);
+    bool fits = (kdr_quad_bits(usual) & 7) == 7 && longest >= 1 / largest;
+
+    kdr_quad_i sign = (kdr_quad_i)direction & INT32_MIN;
+    size = kdr_quad_max(size, kdr_quad_all(longest * 0x1p-30f));
+    kdr_quad reciprocal = (kdr_quad)((kdr_quad_i)(1 / size) | sign);
+    kdr_quad lo = {bounds->lo[0], bounds->lo[1], bounds->lo[2]}, hi = {bounds->hi[0], bounds->hi[1], bounds->hi[2]};
+    kdr_quad reach = kdr_quad_abs(origin) + kdr_quad_max(kdr_quad_abs(lo), kdr_quad_abs(hi));
+    kdr_quad slack = reach * kdr_quad_abs(reciprocal) * 0x1p-21f + 0x1p-120f, start = origin * reciprocal;
+    kdr_quad_store(r->reciprocal, reciprocal);
+    kdr_quad_store(r->near, -start - slack);
+    kdr_quad_store(r->far, slack - start);
+    r->octant = kdr_quad_bits(sign) & 7;
     return fits && ray->tmin >= 0 && ray->tmin < ray->tmax;
 }
 
@@ -55,16 +63,16 @@ typedef struct wide_stack {
 /* Where the ray enters and leaves KDR_LANES boxes of a node from place i on, within [tmin, tmax]. */
 KDR_LANES_INLINE void wide_meet(const kdr_wide_node *node, const wide_ray *r, uint32_t i, float tmin, float tmax,
                                 kdr_lanes_f *enter, kdr_lanes_f *leave) {
-    const kdr_lanes_f nearest = kdr_lanes_all(WIDE_NEAREST);
     kdr_lanes_f sooner[3], later[3];
     for (int k = 0; k < 3; k++) {
         bool down = r->octant >> k & 1;
         const float *near = down ? node->hi[k] : node->lo[k], *far = down ? node->lo[k] : node->hi[k];
-        sooner[k] = kdr_lanes_add_product(-nearest, kdr_lanes_load(near + i) - r->origin[k], kdr_lanes_all(r->near[k]));
-        later[k] = kdr_lanes_add_product(nearest, kdr_lanes_load(far + i) - r->origin[k], kdr_lanes_all(r->far[k]));
+        kdr_lanes_f reciprocal = kdr_lanes_all(r->reciprocal[k]);
+        sooner[k] = kdr_lanes_add_product(kdr_lanes_all(r->near[k]), kdr_lanes_load(near + i), reciprocal);
+        later[k] = kdr_lanes_add_product(kdr_lanes_all(r->far[k]), kdr_lanes_load(far + i), reciprocal);
     }
-    *enter = kdr_lanes_max(sooner[2], kdr_lanes_max(sooner[1], kdr_lanes_max(sooner[0], kdr_lanes_all(tmin))));
-    *leave = kdr_lanes_min(later[2], kdr_lanes_min(later[1], kdr_lanes_min(later[0], kdr_lanes_all(tmax))));
+    *enter = kdr_lanes_max(kdr_lanes_max(sooner[0], sooner[1]), kdr_lanes_max(sooner[2], kdr_lanes_all(tmin)));
+    *leave = kdr_lanes_min(kdr_lanes_min(later[0], later[1]), kdr_lanes_min(later[2], kdr_lanes_all(tmax)));
 }
 
 #if KDR_LANES == KDR_WIDE

@@ -37,7 +37,7 @@ static inline kdr_block kdr_wide_block(const kdr_tree *tree, uint32_t child) {
 }
 
 /* Coordinates beyond this have no wide tree: distances in it must not overflow. */
-#define KDR_WIDE_LARGEST 0x1p99f
+#define KDR_WIDE_LARGEST 0x1p36f
 
 /* Makes the wide nodes. boxes has one entry a node: for leaf i its tight box; those of interior nodes are written here.
  * No wide nodes are made for a tree whose root is a leaf, that has more than 2^27 nodes, or whose coordinates are too
