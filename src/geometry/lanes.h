@@ -43,6 +43,13 @@ KDR_LANES_INLINE kdr_lanes_u kdr_lanes_load_u(const uint32_t *from) {
 
 KDR_LANES_INLINE void kdr_lanes_store(float *to, kdr_lanes_f v) { memcpy(to, &v, sizeof v); }
 
+/* One lane. */
+KDR_LANES_INLINE float kdr_lanes_get(kdr_lanes_f v, uint32_t lane) {
+    float x[KDR_LANES];
+    kdr_lanes_store(x, v);
+    return x[lane];
+}
+
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_all(float x) { return x - (kdr_lanes_f){0}; }
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_abs(kdr_lanes_f v) { return (kdr_lanes_f)((kdr_lanes_u)v & 0x7fffffffu); }

@@ -24,8 +24,9 @@ typedef struct kdr_corners {
 } kdr_corners;
 
 typedef struct kdr_triangle_hit {
-    float t;    /* exact distance, rounded to nearest, ties to even */
-    float u, v; /* weights of b and c, as doubles give them, in [0, 1] */
+    float t;         /* exact distance, rounded to nearest, ties to even */
+    float u, v;      /* weights of b and c, as doubles give them, in [0, 1] */
+    float normal[3]; /* (b - a) x (c - a) */
 } kdr_triangle_hit;
 
 /* A triple product of differences of floats, computed in double, is off by at most 8 roundings of its six terms, each
@@ -126,6 +127,8 @@ static inline __attribute__((always_inline)) bool kdr_triangle_meet(const float 
     double scale = 1 / (edge[0] + edge[1] + edge[2]);
     hit->u = (float)(edge[1] * scale);
     hit->v = (float)(edge[2] * scale);
+    for (int k = 0; k < 3; k++)
+        hit->normal[k] = (float)normal[k][3];
     return true;
 }
 

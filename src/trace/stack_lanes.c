@@ -44,35 +44,27 @@ static __attribute__((noinline)) bool walk_in_double(const kdr_tree *tree, const
 }
 
 static inline __attribute__((always_inline)) bool search(const kdr_tree *tree, const kdr_entry *entry,
-                                                         const kdr_ray *ray, const bool any, kdr_closest *closest) {
+                                                         const kdr_ray *ray, const bool any, kdr_ray_frame *f,
+                                                         kdr_closest *closest) {
     if (!kdr_ray_is_valid(ray) || kdr_box_is_empty(&entry->box))
         return false;
     float_ray r;
     bool holds;
     if (!float_begin(&r, ray, &entry->box, &holds) && holds)
         return false;
-    kdr_ray_frame f;
-    kdr_ray_frame_set(&f, ray, &tree->bounds);
+    kdr_ray_frame_set(f, ray, &tree->bounds);
     if (__builtin_expect(!holds, 0))
-        return walk_in_double(tree, entry, ray, &f, any, closest);
-    return float_walk(tree, entry->node, &r, &f, ray->tmin, ray->tmax, any, closest);
+        return walk_in_double(tree, entry, ray, f, any, closest);
+    return float_walk(tree, entry->node, &r, f, ray->tmin, ray->tmax, any, closest);
 }
 
-/* Hands over what was found, with the normal from the triangle's own vertices. */
-static void report(const kdr_closest *closest, kdr_found *found) {
-    float corner[3][3];
-    kdr_block_triangle(closest->block, closest->place, corner);
-    double e[3], g[3];
-    for (int k = 0; k < 3; k++) {
-        e[k] = (double)corner[1][k] - corner[0][k];
-        g[k] = (double)corner[2][k] - corner[0][k];
-    }
-    found->normal[0] = (float)(e[1] * g[2] - e[2] * g[1]);
-    found->normal[1] = (float)(e[2] * g[0] - e[0] * g[2]);
-    found->normal[2] = (float)(e[0] * g[1] - e[1] * g[0]);
-    found->t = closest->t;
-    found->u = closest->u;
-    found->v = closest->v;
+/* Hands over what was found. */
+KDR_LANES_INLINE void report(kdr_closest *closest, const kdr_ray_frame *f, kdr_found *found) {
+    kdr_closest_settle(closest, f);
+    found->t = closest->hit.t;
+    found->u = closest->hit.u;
+    found->v = closest->hit.v;
+    memcpy(found->normal, closest->hit.normal, sizeof found->normal);
     found->primitive = closest->primitive;
 }
 
@@ -84,16 +76,18 @@ static inline __attribute__((always_inline)) bool leave(bool answer) {
 
 static __attribute__((noinline)) bool stack_closest(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray,
                                                     kdr_found *found) {
-    kdr_closest closest = {.t = ray->tmax, .primitive = UINT32_MAX};
-    bool hit = search(tree, entry, ray, false, &closest);
+    kdr_ray_frame f;
+    kdr_closest closest;
+    kdr_closest_begin(&closest, ray->tmax);
+    bool hit = search(tree, entry, ray, false, &f, &closest);
     if (hit)
-        report(&closest, found);
+        report(&closest, &f, found);
     return leave(hit);
 }
 
 static __attribute__((noinline)) bool stack_any(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray) {
-    kdr_closest closest = {.primitive = UINT32_MAX};
-    return leave(search(tree, entry, ray, true, &closest));
+    kdr_ray_frame f;
+    return leave(search(tree, entry, ray, true, &f, NULL));
 }
 
 /* Lone rays take the wide tree where there is one, if they are of a usual kind. */
@@ -105,10 +99,11 @@ static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *
     }
     kdr_ray_frame f;
     kdr_ray_frame_set(&f, ray, &tree->bounds);
-    kdr_closest closest = {.t = ray->tmax, .primitive = UINT32_MAX};
+    kdr_closest closest;
+    kdr_closest_begin(&closest, ray->tmax);
     bool hit = kdr_wide_walk(tree, &r, &f, ray->tmin, ray->tmax, false, &closest);
     if (hit)
-        report(&closest, found);
+        report(&closest, &f, found);
     return leave(hit);
 }
 
@@ -120,8 +115,7 @@ static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
     }
     kdr_ray_frame f;
     kdr_ray_frame_set(&f, ray, &tree->bounds);
-    kdr_closest closest = {.primitive = UINT32_MAX};
-    return leave(kdr_wide_walk(tree, &r, &f, ray->tmin, ray->tmax, true, &closest));
+    return leave(kdr_wide_walk(tree, &r, &f, ray->tmin, ray->tmax, true, NULL));
 }
 
 extern const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals);

@@ -25,9 +25,10 @@ typedef struct wide_ray {
  * With o the origin, B the largest coordinate on the axis and r the reciprocal, a distance has roundings of its two
  * products, of r, of what is put together here and of the last sum: each at most 2^-24 of (|o| + B) |r|, eight of
  * them at most, and at most 2^-120 is lost below the smallest floats.
- * r is kept below 2^30 of that of the longest axis L, so that a ray along an axis needs no case of its own: where it
- * is cut, boxes that reach the origin's side of a plane get distances of at most 0 and at least 2^8 (|o| + B) / L,
- * which is more than any in the scene; the others get nearer ones than are true. */
+ * r is kept below 2^30 of that of the longest axis L, so that a ray along an axis needs no case of its own. Where it is
+ * cut, distances are nearer than they are; with the largest |o| + B of all axes in the room for roundings, boxes that
+ * reach the origin's side of a plane still get distances of at most 0 and at least 2^8 (|o| + B) / L, which is more
+ * than any in the scene. */
 KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray, const kdr_box *bounds) {
     const float largest = 0x1p60f;
     kdr_quad origin = kdr_quad_load(ray), direction = kdr_quad_load((const char *)ray + offsetof(kdr_ray, direction_x));
@@ -38,11 +39,15 @@ KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray, const kdr_box 
     bool fits = (kdr_quad_bits(usual) & 7) == 7 && longest >= 1 / largest;
 
     kdr_quad_i sign = (kdr_quad_i)direction & INT32_MIN;
-    size = kdr_quad_max(size, kdr_quad_all(longest * 0x1p-30f));
-    kdr_quad reciprocal = (kdr_quad)((kdr_quad_i)(1 / size) | sign);
+    kdr_quad least = kdr_quad_all(longest * 0x1p-30f), kept = kdr_quad_max(size, least);
+    kdr_quad reciprocal = (kdr_quad)((kdr_quad_i)(1 / kept) | sign);
     kdr_quad lo = {bounds->lo[0], bounds->lo[1], bounds->lo[2]}, hi = {bounds->hi[0], bounds->hi[1], bounds->hi[2]};
     kdr_quad reach = kdr_quad_abs(origin) + kdr_quad_max(kdr_quad_abs(lo), kdr_quad_abs(hi));
-    kdr_quad slack = reach * kdr_quad_abs(reciprocal) * 0x1p-21f + 0x1p-120f, start = origin * reciprocal;
+    float farthest = reach[0] > reach[1] ? reach[0] : reach[1];
+    farthest = reach[2] > farthest ? reach[2] : farthest;
+    kdr_quad cut = (kdr_quad)((kdr_quad_i)kdr_quad_all(farthest) & (size < least));
+    kdr_quad slack = kdr_quad_max(reach, cut) * kdr_quad_abs(reciprocal) * 0x1p-21f + 0x1p-120f;
+    kdr_quad start = origin * reciprocal;
     kdr_quad_store(r->reciprocal, reciprocal);
     kdr_quad_store(r->near, -start - slack);
     kdr_quad_store(r->far, slack - start);

@@ -1,9 +1,10 @@
 /* One ray against the triangles of a leaf, KDR_LANES at a time.
  *
  * A float filter over all lanes (edge functions of the sheared triangle, with an error bound) leaves the few triangles
- * that the ray meets or nearly meets; each of these is decided exactly. So a hit never depends on the width of lanes.
- * Source of the filter: S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", 2013.
- * Cost: about 50 vector operations a step, and 100 flops for each triangle that passes. */
+ * that the ray meets or nearly meets. Where it is sure of a hit, it says so, and between which distances; only hits
+ * that it is not sure of, or cannot tell apart, are decided exactly on the way, and the closest at the end. So a hit
+ * never depends on the width of lanes. Source of the filter: S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle
+ * Intersection", 2013. Cost: about 50 vector operations a step, and 100 flops for each triangle that passes. */
 #ifndef KDR_TREE_BLOCK_LANES_H
 #define KDR_TREE_BLOCK_LANES_H
 
@@ -12,18 +13,27 @@
 #include "geometry/triangle.h"
 #include "tree/block.h"
 
-/* The closest hit so far. Before the first: t is the ray's tmax and primitive UINT32_MAX. */
+/* The closest hit so far. Before the first, `least` and `t` are the ray's tmax and primitive is UINT32_MAX. */
 typedef struct kdr_closest {
-    float t, u, v;
+    float least, t; /* its distance lies between them */
     uint32_t primitive;
-    kdr_block block; /* where it lies, at `place` */
-    size_t place;
+    bool sure; /* found by the filter: `hit` is not yet set */
+    kdr_block block;
+    size_t place; /* in the block */
+    kdr_triangle_hit hit;
 } kdr_closest;
+
+KDR_LANES_INLINE void kdr_closest_begin(kdr_closest *closest, float tmax) {
+    closest->least = closest->t = tmax;
+    closest->primitive = UINT32_MAX;
+    closest->sure = false;
+}
 
 /* Lanes as the edge functions of the sheared triangles left them. */
 typedef struct kdr_block_edges {
-    kdr_lanes_f edge[3], z[3]; /* z: along the ray, as seen from the origin, unscaled */
-    kdr_lanes_f bound;         /* at least the error of an edge function */
+    kdr_lanes_f edge[3], z[3]; /* z: along the axis of the shear, as seen from the origin */
+    kdr_lanes_f least, most;   /* of the three */
+    kdr_lanes_f bound;         /* at least the error of each */
 } kdr_block_edges;
 
 /* Lanes from `first` on whose triangle the ray's line is not proven to miss. */
@@ -51,53 +61,52 @@ KDR_LANES_INLINE kdr_lane_bits kdr_block_meet(kdr_block block, const kdr_ray_fra
     e->bound = kdr_lanes_add_product(least_bound, doubt, (size[0] + size[1]) + size[2]);
 
     /* A lane misses if one is surely positive and another surely negative. */
-    kdr_lanes_f least = kdr_lanes_min(kdr_lanes_min(e->edge[0], e->edge[1]), e->edge[2]);
-    kdr_lanes_f most = kdr_lanes_max(kdr_lanes_max(e->edge[0], e->edge[1]), e->edge[2]);
-    kdr_lane_bits missed = kdr_lanes_less(least, -e->bound) & kdr_lanes_less(e->bound, most);
+    e->least = kdr_lanes_min(kdr_lanes_min(e->edge[0], e->edge[1]), e->edge[2]);
+    e->most = kdr_lanes_max(kdr_lanes_max(e->edge[0], e->edge[1]), e->edge[2]);
+    kdr_lane_bits missed = kdr_lanes_less(e->least, -e->bound) & kdr_lanes_less(e->bound, e->most);
     return ~missed & kdr_lanes_first((uint32_t)(block.length - first));
 }
 
-/* Where the line meets the planes of the lanes' triangles: num / den. `doubt` is at least the error of den, and
- * doubt times reach that of num; four of each cover every rounding of a comparison with it. */
-typedef struct kdr_block_distances {
-    kdr_lanes_f num, den, doubt, reach;
-    kdr_lane_bits front, back; /* den is surely positive, surely negative */
-} kdr_block_distances;
-
-KDR_LANES_INLINE kdr_block_distances kdr_block_distances_of(const kdr_block_edges *e, const kdr_ray_frame *f) {
-    kdr_block_distances d = {.num = kdr_lanes_all(0), .reach = kdr_lanes_all(0)};
-    d.den = (e->edge[0] + e->edge[1]) + e->edge[2];
-    for (int i = 0; i < 3; i++) {
-        kdr_lanes_f z = e->z[i] * f->scale_z;
-        d.num += e->edge[i] * z;
-        d.reach += kdr_lanes_abs(z);
-    }
-    d.doubt = 3 * e->bound;
-    d.front = kdr_lanes_less(d.doubt, d.den);
-    d.back = kdr_lanes_less(d.den, -d.doubt);
-    return d;
+/* Lanes whose triangle it surely meets. */
+KDR_LANES_INLINE kdr_lane_bits kdr_block_inside(const kdr_block_edges *e) {
+    return kdr_lanes_less(e->bound, e->least) | kdr_lanes_less(e->most, -e->bound);
 }
 
-/* Lanes surely beyond t; lanes surely not beyond t. */
-KDR_LANES_INLINE void kdr_block_compare(const kdr_block_distances *d, float t, kdr_lane_bits *beyond,
-                                        kdr_lane_bits *before) {
-    kdr_lanes_f difference = d->num - t * d->den, doubt = 4 * d->doubt * (d->reach + fabsf(t)) + 0x1p-126f;
-    kdr_lane_bits above = kdr_lanes_less(doubt, difference), below = kdr_lanes_less(difference, -doubt);
-    *beyond = (d->front & above) | (d->back & below);
-    *before = (d->front & below) | (d->back & above);
+/* Between which distances the line meets the planes of the lanes' triangles; infinite where nothing is known. */
+typedef struct kdr_block_span {
+    kdr_lanes_f from, to;
+} kdr_block_span;
+
+/* For lanes that kdr_block_meet left. With edge functions E, distances Z and t = sum(E Z) / sum(E) in real numbers, and
+ * floats e within b of E and z within four roundings of Z,
+ *     computed t - t = (sum((e - E) (z - t)) + sum(E (z - Z)) + roundings) / sum(e),
+ * so that what an edge function is off by counts only against the extent of the triangle along the ray. Where the sum
+ * of the e is at least 16 b, their sizes add up to at most 5/4 of it, and the bound below is more than the double of
+ * this. */
+KDR_LANES_INLINE kdr_block_span kdr_block_span_of(const kdr_block_edges *e, const kdr_ray_frame *f) {
+    kdr_lanes_f den = (e->edge[0] + e->edge[1]) + e->edge[2], inverse = 1 / den;
+    kdr_lanes_f z[3], num = kdr_lanes_all(0), extent = kdr_lanes_all(0), reach = kdr_lanes_all(0);
+    for (int i = 0; i < 3; i++) {
+        z[i] = e->z[i] * f->scale_z;
+        num = kdr_lanes_add_product(num, e->edge[i], z[i]);
+        reach += kdr_lanes_abs(z[i]);
+    }
+    kdr_lanes_f t = num * inverse;
+    for (int i = 0; i < 3; i++)
+        extent += kdr_lanes_abs(z[i] - t);
+    kdr_lanes_f doubt = (4 * e->bound * extent + 0x1p-126f) * kdr_lanes_abs(inverse);
+    doubt += 0x1p-18f * (reach + kdr_lanes_abs(t)) + 0x1p-120f;
+    kdr_lane_bits known = kdr_lanes_less(16 * e->bound, kdr_lanes_abs(den));
+    return (kdr_block_span){kdr_lanes_choose(known, t - doubt, kdr_lanes_all(-INFINITY)),
+                            kdr_lanes_choose(known, t + doubt, kdr_lanes_all(INFINITY))};
 }
 
 /* The nearest of some lanes, about. */
-KDR_LANES_INLINE uint32_t kdr_block_nearest(const kdr_block_distances *d, kdr_lane_bits lanes) {
+KDR_LANES_INLINE uint32_t kdr_block_nearest(const kdr_block_span *span, kdr_lane_bits lanes) {
     uint32_t nearest = (uint32_t)__builtin_ctz(lanes);
-    lanes &= lanes - 1;
-    if (__builtin_expect(lanes == 0, 1))
-        return nearest;
-    float t[KDR_LANES];
-    kdr_lanes_store(t, d->num / d->den);
-    for (; lanes; lanes &= lanes - 1) {
+    for (lanes &= lanes - 1; lanes; lanes &= lanes - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(lanes);
-        nearest = t[lane] < t[nearest] ? lane : nearest;
+        nearest = kdr_lanes_get(span->from, lane) < kdr_lanes_get(span->from, nearest) ? lane : nearest;
     }
     return nearest;
 }
@@ -117,36 +126,63 @@ static __attribute__((noinline, unused)) bool kdr_block_decide(kdr_block block, 
     return kdr_triangle_meet(f->origin, f->direction, &corners, hit);
 }
 
+/* Gives a closest hit that the filter was sure of its exact distance. */
+KDR_LANES_INLINE void kdr_closest_settle(kdr_closest *closest, const kdr_ray_frame *f) {
+    if (!closest->sure)
+        return;
+    closest->sure = false;
+    kdr_block_decide(closest->block, closest->place, f, &closest->hit);
+    closest->least = closest->t = closest->hit.t;
+}
+
+/* A hit that the filter is sure of takes the lead, or not: false if that takes an exact decision. */
+KDR_LANES_INLINE bool kdr_closest_take(kdr_closest *closest, float from, float to, kdr_block block, size_t place,
+                                       uint32_t primitive) {
+    if (from > closest->t)
+        return true;
+    if (to >= closest->least)
+        return false;
+    closest->least = from;
+    closest->t = to;
+    closest->primitive = primitive;
+    closest->sure = true;
+    closest->block = block;
+    closest->place = place;
+    return true;
+}
+
+/* The same for any other. */
+KDR_LANES_INLINE void kdr_closest_decide(kdr_closest *closest, const kdr_ray_frame *f, float tmin, kdr_block block,
+                                         size_t place, uint32_t primitive) {
+    kdr_triangle_hit hit;
+    if (!kdr_block_decide(block, place, f, &hit) || hit.t <= tmin)
+        return;
+    kdr_closest_settle(closest, f);
+    if (hit.t < closest->t || (hit.t == closest->t && primitive < closest->primitive)) {
+        closest->least = closest->t = hit.t;
+        closest->primitive = primitive;
+        closest->hit = hit;
+    }
+}
+
 /* Makes *closest the closest of itself and the block's hits beyond tmin; of equal distances the lowest primitive. */
 KDR_LANES_INLINE void kdr_block_closest(kdr_block block, const kdr_ray_frame *f, float tmin, kdr_closest *closest) {
     for (size_t first = 0; first < block.length; first += KDR_LANES) {
         kdr_block_edges e;
-        kdr_lane_bits left = kdr_block_meet(block, f, first, &e), out, in;
+        kdr_lane_bits left = kdr_block_meet(block, f, first, &e);
         if (__builtin_expect(left == 0, 1))
             continue;
-        kdr_block_distances d = kdr_block_distances_of(&e, f);
-        kdr_block_compare(&d, tmin, &in, &out);
-        left &= ~out;
-        kdr_block_compare(&d, closest->t, &out, &in);
-        left &= ~out;
-        while (left) {
-            uint32_t lane = kdr_block_nearest(&d, left);
+        kdr_block_span span = kdr_block_span_of(&e, f);
+        kdr_lane_bits sure = kdr_block_inside(&e) & kdr_lanes_less(kdr_lanes_all(tmin), span.from);
+        left &= ~kdr_lanes_less(span.to, kdr_lanes_all(tmin));
+        while (left &= ~kdr_lanes_less(kdr_lanes_all(closest->t), span.from)) {
+            uint32_t lane = kdr_block_nearest(&span, left), primitive = kdr_block_primitive(block, first + lane);
             left ^= 1u << lane;
-            uint32_t primitive = kdr_block_primitive(block, first + lane);
-            kdr_triangle_hit hit;
-            if (primitive == UINT32_MAX || !kdr_block_decide(block, first + lane, f, &hit))
+            if (primitive == UINT32_MAX || primitive == closest->primitive)
                 continue;
-            bool closer = hit.t < closest->t || (hit.t == closest->t && primitive < closest->primitive);
-            if (hit.t > tmin && closer) {
-                closest->t = hit.t;
-                closest->u = hit.u;
-                closest->v = hit.v;
-                closest->primitive = primitive;
-                closest->block = block;
-                closest->place = first + lane;
-                kdr_block_compare(&d, hit.t, &out, &in);
-                left &= ~out;
-            }
+            float from = kdr_lanes_get(span.from, lane), to = kdr_lanes_get(span.to, lane);
+            if (!(sure >> lane & 1) || !kdr_closest_take(closest, from, to, block, first + lane, primitive))
+                kdr_closest_decide(closest, f, tmin, block, first + lane, primitive);
         }
     }
 }
@@ -158,17 +194,12 @@ KDR_LANES_INLINE bool kdr_block_any(kdr_block block, const kdr_ray_frame *f, flo
         kdr_lane_bits left = kdr_block_meet(block, f, first, &e);
         if (__builtin_expect(left == 0, 1))
             continue;
-        kdr_block_distances d = kdr_block_distances_of(&e, f);
-        kdr_lane_bits before, after, within, beyond, unused;
-        kdr_block_compare(&d, tmin, &after, &before);
-        kdr_block_compare(&d, tmax < KDR_RAY_FRAME_LARGEST ? tmax : KDR_RAY_FRAME_LARGEST, &unused, &within);
-        kdr_lanes_f least = kdr_lanes_min(kdr_lanes_min(e.edge[0], e.edge[1]), e.edge[2]);
-        kdr_lanes_f most = kdr_lanes_max(kdr_lanes_max(e.edge[0], e.edge[1]), e.edge[2]);
-        kdr_lane_bits inside = kdr_lanes_less(e.bound, least) | kdr_lanes_less(most, -e.bound);
-        if (left & inside & after & within)
+        kdr_block_span span = kdr_block_span_of(&e, f);
+        kdr_lanes_f begin = kdr_lanes_all(tmin), end = kdr_lanes_all(tmax);
+        if (left & kdr_block_inside(&e) & kdr_lanes_less(begin, span.from) & kdr_lanes_less(span.to, end))
             return true;
-        kdr_block_compare(&d, tmax, &beyond, &unused);
-        for (left &= ~(before | beyond); left; left &= left - 1) {
+        left &= ~(kdr_lanes_less(span.to, begin) | kdr_lanes_less(end, span.from));
+        for (; left; left &= left - 1) {
             size_t i = first + (uint32_t)__builtin_ctz(left);
             kdr_triangle_hit hit;
             if (kdr_block_primitive(block, i) != UINT32_MAX && kdr_block_decide(block, i, f, &hit) && hit.t > tmin &&
