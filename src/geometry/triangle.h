@@ -39,8 +39,6 @@ static inline double kdr_larger(double x, double y) { return x > y ? x : y; }
 typedef double kdr_four __attribute__((vector_size(32)));
 typedef int64_t kdr_four_i __attribute__((vector_size(32)));
 
-static inline __attribute__((always_inline)) kdr_four kdr_four_all(double x) { return x - (kdr_four){0}; }
-
 static inline __attribute__((always_inline)) kdr_four kdr_four_abs(kdr_four q) {
     return (kdr_four)((kdr_four_i)q & INT64_MAX);
 }
@@ -83,52 +81,95 @@ static __attribute__((noinline, unused)) float kdr_corners_distance_exact(const 
     return kdr_triangle_distance_exact(o, d, a, b, c);
 }
 
-/* True, and *hit filled in, if the line of the ray meets the triangle. All floats finite, direction not zero.
- * Inline, so that each instruction set compiles it for itself: old and new vector instructions do not mix well.
- * The three edge functions and den are lanes of one vector. Cost: about 70 vector operations when doubles decide. */
-static inline __attribute__((always_inline)) bool kdr_triangle_meet(const float o[3], const float d[3],
-                                                                    const kdr_corners *t, kdr_triangle_hit *hit) {
-    /* Lane by lane, P x Q . d is V0, V1, V2, den: P is b, c, a as seen from the origin, and the edge b - a; Q is
-     * c, a, b and c - a. */
-    kdr_four p[3], q[3], from[3];
+typedef double kdr_two __attribute__((vector_size(16)));
+typedef int64_t kdr_two_i __attribute__((vector_size(16)));
+
+static inline __attribute__((always_inline)) kdr_two kdr_two_abs(kdr_two q) {
+    return (kdr_two)((kdr_two_i)q & INT64_MAX);
+}
+
+static inline __attribute__((always_inline)) kdr_two kdr_two_max(kdr_two a, kdr_two b) {
+    kdr_two_i more = a > b;
+    return (kdr_two)(((kdr_two_i)a & more) | ((kdr_two_i)b & ~more));
+}
+
+static inline __attribute__((always_inline)) kdr_two kdr_two_swap(kdr_two q) {
+    return __builtin_shufflevector(q, q, 1, 0);
+}
+
+/* Fills *hit for a ray whose line meets the triangle; den must not be zero.
+ * With e and f the edges at a and s the origin as seen from a: n = e x f, r = s x d, t = -n . s / n . d,
+ * u = -r . f / n . d, v = r . e / n . d, two at a time.
+ * Source of this form: T. Moller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997.
+ * Edges are as small as the triangle, and so are the errors of what is made of them. Cost: about 70 operations. */
+static inline __attribute__((always_inline)) void kdr_triangle_measure(const float o[3], const float d[3],
+                                                                       const kdr_corners *t, kdr_triangle_hit *hit) {
+    kdr_two es[3], fd[3], nr[3];
     for (int k = 0; k < 3; k++) {
-        kdr_four corners = __builtin_convertvector(t->axis[k], kdr_four);
-        from[k] = (kdr_four){o[k], o[k], o[k], corners[0]};
-        p[k] = __builtin_shufflevector(corners, corners, 1, 2, 0, 1) - from[k];
-        q[k] = __builtin_shufflevector(corners, corners, 2, 0, 1, 2) - from[k];
+        double a = t->axis[k][0];
+        es[k] = (kdr_two){t->axis[k][1], o[k]} - a;
+        fd[k] = (kdr_two){t->axis[k][2] - a, d[k]};
     }
-    kdr_four normal[3] = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
-    kdr_four v = d[0] * normal[0] + d[1] * normal[1] + d[2] * normal[2];
+    for (int k = 0; k < 3; k++) {
+        int l = (k + 1) % 3, m = (k + 2) % 3;
+        nr[k] = es[l] * fd[m] - es[m] * fd[l];
+    }
+    kdr_two den_u = nr[0] * kdr_two_swap(fd[0]) + nr[1] * kdr_two_swap(fd[1]) + nr[2] * kdr_two_swap(fd[2]);
+    kdr_two num_v = nr[0] * kdr_two_swap(es[0]) + nr[1] * kdr_two_swap(es[1]) + nr[2] * kdr_two_swap(es[2]);
 
-    /* Decide the signs of the edge functions, exactly where the bound leaves them in doubt. */
-    kdr_four size_p = kdr_four_max(kdr_four_max(kdr_four_abs(p[0]), kdr_four_abs(p[1])), kdr_four_abs(p[2]));
-    kdr_four size_q = kdr_four_max(kdr_four_max(kdr_four_abs(q[0]), kdr_four_abs(q[1])), kdr_four_abs(q[2]));
-    double size_d = kdr_larger(fabsf(d[0]), kdr_larger(fabsf(d[1]), fabsf(d[2])));
-    double size_a = size_p[2], size = kdr_larger(size_a, kdr_larger(size_p[0], size_p[1]));
-    double bound = KDR_TRIANGLE_ERROR * size_d * size * size;
-    double edge[3] = {v[0], v[1], v[2]};
-    uint32_t positive = kdr_four_bits(v > kdr_four_all(bound)) & 7,
-             negative = kdr_four_bits(v < kdr_four_all(-bound)) & 7;
-    if (positive && negative)
-        return false;
-    if (__builtin_expect((positive | negative) != 7, 0) && !kdr_corners_edges_exact(o, d, t, edge))
-        return false;
-
-    /* Distance, from the triangle's own edges: their products are small where the triangle is. */
-    double num = normal[0][3] * p[0][2] + normal[1][3] * p[1][2] + normal[2][3] * p[2][2], den = v[3];
-    double size_n = KDR_TRIANGLE_ERROR * size_p[3] * size_q[3], doubt_den = size_n * size_d;
-    double inverse = 1 / den, quotient = num * inverse;
-    double error = fabs(quotient) * 0x1p-49 + 2 * fabs(inverse) * (size_n * size_a + fabs(quotient) * doubt_den);
+    /* Distance: rounded as the exact one is, if the bound leaves no doubt. */
+    kdr_two size_es = kdr_two_max(kdr_two_max(kdr_two_abs(es[0]), kdr_two_abs(es[1])), kdr_two_abs(es[2]));
+    kdr_two size_fd = kdr_two_max(kdr_two_max(kdr_two_abs(fd[0]), kdr_two_abs(fd[1])), kdr_two_abs(fd[2]));
+    double den = den_u[0], inverse = 1 / den, quotient = -num_v[0] * inverse;
+    double size_n = KDR_TRIANGLE_ERROR * size_es[0] * size_fd[0], doubt_den = size_n * size_fd[1];
+    double error = fabs(quotient) * 0x1p-49 + 2 * fabs(inverse) * (size_n * size_es[1] + fabs(quotient) * doubt_den);
     float lo = (float)(quotient - error), hi = (float)(quotient + error);
     bool rounded = fabs(den) > 2 * doubt_den && lo == hi;
     hit->t = (__builtin_expect(rounded, 1) ? lo : kdr_corners_distance_exact(o, d, t)) + 0.0f; /* no negative zero */
 
-    /* Weights: all three have one sign, so their sum is as good as they are. */
+    double u = -den_u[1] * inverse, v = num_v[1] * inverse;
+    hit->u = (float)(u > 0 ? (u < 1 ? u : 1) : 0);
+    hit->v = (float)(v > 0 ? (v < 1 ? v : 1) : 0);
+    for (int k = 0; k < 3; k++)
+        hit->normal[k] = (float)nr[k][0];
+}
+
+/* True, and *hit filled in, if the line of the ray meets the triangle. All floats finite, direction not zero.
+ * Inline, so that each instruction set compiles it for itself: old and new vector instructions do not mix well.
+ * The three edge functions are lanes of one vector. Cost: about 50 vector operations when doubles decide. */
+static inline __attribute__((always_inline)) bool kdr_triangle_meet(const float o[3], const float d[3],
+                                                                    const kdr_corners *t, kdr_triangle_hit *hit) {
+    /* Lane by lane, P x Q . d is V0, V1, V2: P is b, c, a as seen from the origin, and Q is c, a, b. */
+    kdr_four p[3], q[3];
+    for (int k = 0; k < 3; k++) {
+        kdr_four corners = __builtin_convertvector(t->axis[k], kdr_four) - (double)o[k];
+        p[k] = __builtin_shufflevector(corners, corners, 1, 2, 0, 3);
+        q[k] = __builtin_shufflevector(corners, corners, 2, 0, 1, 3);
+    }
+    kdr_four v = (double)d[0] * (p[1] * q[2] - p[2] * q[1]) + (double)d[1] * (p[2] * q[0] - p[0] * q[2]) +
+                 (double)d[2] * (p[0] * q[1] - p[1] * q[0]);
+
+    /* Decide their signs, exactly where the bound leaves them in doubt. */
+    kdr_four sizes = kdr_four_max(kdr_four_max(kdr_four_abs(p[0]), kdr_four_abs(p[1])), kdr_four_abs(p[2]));
+    double size = kdr_larger(sizes[0], kdr_larger(sizes[1], sizes[2]));
+    double size_d = kdr_larger(fabsf(d[0]), kdr_larger(fabsf(d[1]), fabsf(d[2])));
+    double bound = KDR_TRIANGLE_ERROR * size_d * size * size;
+    uint32_t positive = kdr_four_bits(v > bound) & 7, negative = kdr_four_bits(v < -bound) & 7;
+    if (positive && negative)
+        return false;
+    if (__builtin_expect((positive | negative) == 7, 1)) {
+        kdr_triangle_measure(o, d, t, hit);
+        return true;
+    }
+
+    /* Weights from the exact edge functions: all three have one sign, so their sum is as good as they are. */
+    double edge[3];
+    if (!kdr_corners_edges_exact(o, d, t, edge))
+        return false;
+    kdr_triangle_measure(o, d, t, hit);
     double scale = 1 / (edge[0] + edge[1] + edge[2]);
     hit->u = (float)(edge[1] * scale);
     hit->v = (float)(edge[2] * scale);
-    for (int k = 0; k < 3; k++)
-        hit->normal[k] = (float)normal[k][3];
     return true;
 }
 

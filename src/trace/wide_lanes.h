@@ -16,8 +16,9 @@
 
 typedef struct wide_ray {
     float reciprocal[4];
-    float near[4], far[4]; /* added to plane * reciprocal: a distance not too large, and one not too small */
-    uint32_t octant;       /* bit k: runs down axis k */
+    float near[4], far[4];            /* added to plane * reciprocal: a distance not too large, and one not too small */
+    size_t near_face[3], far_face[3]; /* of a node: where the ray enters and where it leaves */
+    uint32_t octant;                  /* bit k: runs down axis k */
 } wide_ray;
 
 /* False if the ray is not valid or not of the usual kind: sizes out of range, tmin < 0.
@@ -52,6 +53,10 @@ KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray, const kdr_box 
     kdr_quad_store(r->near, -start - slack);
     kdr_quad_store(r->far, slack - start);
     r->octant = kdr_quad_bits(sign) & 7;
+    for (size_t k = 0; k < 3; k++) {
+        r->near_face[k] = k + 3 * (r->octant >> k & 1);
+        r->far_face[k] = 2 * k + 3 - r->near_face[k];
+    }
     return fits && ray->tmin >= 0 && ray->tmin < ray->tmax;
 }
 
@@ -70,8 +75,7 @@ KDR_LANES_INLINE void wide_meet(const kdr_wide_node *node, const wide_ray *r, ui
                                 kdr_lanes_f *enter, kdr_lanes_f *leave) {
     kdr_lanes_f sooner[3], later[3];
     for (int k = 0; k < 3; k++) {
-        bool down = r->octant >> k & 1;
-        const float *near = down ? node->hi[k] : node->lo[k], *far = down ? node->lo[k] : node->hi[k];
+        const float *near = node->face[r->near_face[k]], *far = node->face[r->far_face[k]];
         kdr_lanes_f reciprocal = kdr_lanes_all(r->reciprocal[k]);
         sooner[k] = kdr_lanes_add_product(kdr_lanes_all(r->near[k]), kdr_lanes_load(near + i), reciprocal);
         later[k] = kdr_lanes_add_product(kdr_lanes_all(r->far[k]), kdr_lanes_load(far + i), reciprocal);

@@ -41,14 +41,15 @@ KDR_LANES_INLINE kdr_lane_bits kdr_block_meet(kdr_block block, const kdr_ray_fra
                                               kdr_block_edges *e) {
     /* Shear the vertices, as seen from the origin. */
     const float *at = block.rows + first;
+    const size_t vertex = 3 * block.length;
     const float *at_x = at + (size_t)f->axis_x * block.length, *at_y = at + (size_t)f->axis_y * block.length;
     const float *at_z = at + (size_t)f->axis_z * block.length;
     kdr_lanes_f shear_x = kdr_lanes_all(f->shear_x), shear_y = kdr_lanes_all(f->shear_y);
     kdr_lanes_f x[3], y[3], size[3];
-    for (size_t i = 0, row = 0; i < 3; i++, row += 3 * block.length) {
-        e->z[i] = kdr_lanes_load(at_z + row) - f->origin[f->axis_z];
-        x[i] = kdr_lanes_less_product(kdr_lanes_load(at_x + row) - f->origin[f->axis_x], shear_x, e->z[i]);
-        y[i] = kdr_lanes_less_product(kdr_lanes_load(at_y + row) - f->origin[f->axis_y], shear_y, e->z[i]);
+    for (size_t i = 0; i < 3; i++) {
+        e->z[i] = kdr_lanes_load(at_z + i * vertex) - f->origin[f->axis_z];
+        x[i] = kdr_lanes_less_product(kdr_lanes_load(at_x + i * vertex) - f->origin[f->axis_x], shear_x, e->z[i]);
+        y[i] = kdr_lanes_less_product(kdr_lanes_load(at_y + i * vertex) - f->origin[f->axis_y], shear_y, e->z[i]);
         size[i] = kdr_lanes_abs(x[i]) + kdr_lanes_abs(y[i]);
     }
 
@@ -127,11 +128,12 @@ static __attribute__((noinline, unused)) bool kdr_block_decide(kdr_block block, 
 }
 
 /* Gives a closest hit that the filter was sure of its exact distance. */
-KDR_LANES_INLINE void kdr_closest_settle(kdr_closest *closest, const kdr_ray_frame *f) {
+static __attribute__((noinline, unused)) void kdr_closest_settle(kdr_closest *closest, const kdr_ray_frame *f) {
     if (!closest->sure)
         return;
     closest->sure = false;
-    kdr_block_decide(closest->block, closest->place, f, &closest->hit);
+    kdr_corners corners = kdr_block_corners(closest->block, closest->place);
+    kdr_triangle_measure(f->origin, f->direction, &corners, &closest->hit);
     closest->least = closest->t = closest->hit.t;
 }
 

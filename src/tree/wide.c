@@ -156,8 +156,8 @@ static uint32_t write_node(writer *w, uint32_t root) {
     for (uint32_t i = 0; i < KDR_WIDE; i++) {
         kdr_box box = i < o.member_count ? w->boxes[o.member[i].node] : kdr_box_empty();
         for (int k = 0; k < 3; k++) {
-            out->lo[k][i] = box.lo[k];
-            out->hi[k][i] = box.hi[k];
+            out->face[k][i] = box.lo[k];
+            out->face[3 + k][i] = box.hi[k];
         }
         out->child[i] = KDR_WIDE_LEAF;
     }

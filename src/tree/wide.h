@@ -15,7 +15,8 @@
 #define KDR_WIDE 16
 
 typedef struct kdr_wide_node {
-    _Alignas(64) float lo[3][KDR_WIDE], hi[3][KDR_WIDE]; /* an unused place has an empty box */
+    /* Faces of the boxes: lower ones on the three axes, then upper ones; an unused place has an empty box. */
+    _Alignas(64) float face[6][KDR_WIDE];
     uint32_t child[KDR_WIDE];
     /* The children in the order of each octant of directions, the last first, four bits each; those of unused places
      * come after. Octant bit k: the ray runs down axis k. */
