@@ -17,11 +17,17 @@
 #include "geometry/quad.h"
 
 #include <math.h>
+#include <stddef.h>
 
-/* Corners of a triangle by axis: a, b, c, and a fourth number that has no meaning. */
+/* Where the corners of a triangle lie: nine floats, a.x a.y a.z b.x ... c.z, one every `stride`. */
 typedef struct kdr_corners {
-    kdr_quad axis[3];
+    const float *at;
+    size_t stride;
 } kdr_corners;
+
+static inline __attribute__((always_inline)) float kdr_corner(kdr_corners t, size_t corner, size_t axis) {
+    return t.at[(3 * corner + axis) * t.stride];
+}
 
 typedef struct kdr_triangle_hit {
     float t;         /* exact distance, rounded to nearest, ties to even */
@@ -58,27 +64,24 @@ static inline __attribute__((always_inline)) uint32_t kdr_four_bits(kdr_four_i c
 #endif
 }
 
-static inline void kdr_corners_split(const kdr_corners *t, float a[3], float b[3], float c[3]) {
-    for (int k = 0; k < 3; k++) {
-        a[k] = t->axis[k][0];
-        b[k] = t->axis[k][1];
-        c[k] = t->axis[k][2];
-    }
+static inline void kdr_corners_copy(kdr_corners t, float corner[3][3]) {
+    for (size_t i = 0; i < 9; i++)
+        corner[i / 3][i % 3] = t.at[i * t.stride];
 }
 
 /* The exact forms, kept out of the way. */
-static __attribute__((noinline, unused)) bool kdr_corners_edges_exact(const float o[3], const float d[3],
-                                                                      const kdr_corners *t, double v[3]) {
-    float a[3], b[3], c[3];
-    kdr_corners_split(t, a, b, c);
-    return kdr_triangle_edges_exact(o, d, a, b, c, v);
+static __attribute__((noinline, unused)) bool kdr_corners_edges_exact(const float o[3], const float d[3], kdr_corners t,
+                                                                      double v[3]) {
+    float corner[3][3];
+    kdr_corners_copy(t, corner);
+    return kdr_triangle_edges_exact(o, d, corner[0], corner[1], corner[2], v);
 }
 
 static __attribute__((noinline, unused)) float kdr_corners_distance_exact(const float o[3], const float d[3],
-                                                                          const kdr_corners *t) {
-    float a[3], b[3], c[3];
-    kdr_corners_split(t, a, b, c);
-    return kdr_triangle_distance_exact(o, d, a, b, c);
+                                                                          kdr_corners t) {
+    float corner[3][3];
+    kdr_corners_copy(t, corner);
+    return kdr_triangle_distance_exact(o, d, corner[0], corner[1], corner[2]);
 }
 
 typedef double kdr_two __attribute__((vector_size(16)));
@@ -103,12 +106,12 @@ static inline __attribute__((always_inline)) kdr_two kdr_two_swap(kdr_two q) {
  * Source of this form: T. Moller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997.
  * Edges are as small as the triangle, and so are the errors of what is made of them. Cost: about 70 operations. */
 static inline __attribute__((always_inline)) void kdr_triangle_measure(const float o[3], const float d[3],
-                                                                       const kdr_corners *t, kdr_triangle_hit *hit) {
+                                                                       kdr_corners t, kdr_triangle_hit *hit) {
     kdr_two es[3], fd[3], nr[3];
-    for (int k = 0; k < 3; k++) {
-        double a = t->axis[k][0];
-        es[k] = (kdr_two){t->axis[k][1], o[k]} - a;
-        fd[k] = (kdr_two){t->axis[k][2] - a, d[k]};
+    for (size_t k = 0; k < 3; k++) {
+        double a = kdr_corner(t, 0, k), b = kdr_corner(t, 1, k), c = kdr_corner(t, 2, k);
+        es[k] = (kdr_two){b - a, o[k] - a};
+        fd[k] = (kdr_two){c - a, d[k]};
     }
     for (int k = 0; k < 3; k++) {
         int l = (k + 1) % 3, m = (k + 2) % 3;
@@ -137,12 +140,13 @@ static inline __attribute__((always_inline)) void kdr_triangle_measure(const flo
 /* True, and *hit filled in, if the line of the ray meets the triangle. All floats finite, direction not zero.
  * Inline, so that each instruction set compiles it for itself: old and new vector instructions do not mix well.
  * The three edge functions are lanes of one vector. Cost: about 50 vector operations when doubles decide. */
-static inline __attribute__((always_inline)) bool kdr_triangle_meet(const float o[3], const float d[3],
-                                                                    const kdr_corners *t, kdr_triangle_hit *hit) {
+static inline __attribute__((always_inline)) bool kdr_triangle_meet(const float o[3], const float d[3], kdr_corners t,
+                                                                    kdr_triangle_hit *hit) {
     /* Lane by lane, P x Q . d is V0, V1, V2: P is b, c, a as seen from the origin, and Q is c, a, b. */
     kdr_four p[3], q[3];
-    for (int k = 0; k < 3; k++) {
-        kdr_four corners = __builtin_convertvector(t->axis[k], kdr_four) - (double)o[k];
+    for (size_t k = 0; k < 3; k++) {
+        kdr_quad corner = {kdr_corner(t, 0, k), kdr_corner(t, 1, k), kdr_corner(t, 2, k)};
+        kdr_four corners = __builtin_convertvector(corner, kdr_four) - (double)o[k];
         p[k] = __builtin_shufflevector(corners, corners, 1, 2, 0, 3);
         q[k] = __builtin_shufflevector(corners, corners, 2, 0, 1, 3);
     }

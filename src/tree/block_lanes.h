@@ -113,18 +113,13 @@ KDR_LANES_INLINE uint32_t kdr_block_nearest(const kdr_block_span *span, kdr_lane
 }
 
 KDR_LANES_INLINE kdr_corners kdr_block_corners(kdr_block block, size_t i) {
-    const float *at = block.rows + i;
-    kdr_corners corners;
-    for (size_t k = 0; k < 3; k++, at += block.length)
-        corners.axis[k] = (kdr_quad){at[0], at[3 * block.length], at[6 * block.length]};
-    return corners;
+    return (kdr_corners){block.rows + i, block.length};
 }
 
 /* Decides one triangle that passed the filter. */
 static __attribute__((noinline, unused)) bool kdr_block_decide(kdr_block block, size_t i, const kdr_ray_frame *f,
                                                                kdr_triangle_hit *hit) {
-    kdr_corners corners = kdr_block_corners(block, i);
-    return kdr_triangle_meet(f->origin, f->direction, &corners, hit);
+    return kdr_triangle_meet(f->origin, f->direction, kdr_block_corners(block, i), hit);
 }
 
 /* Gives a closest hit that the filter was sure of its exact distance. */
@@ -132,8 +127,7 @@ static __attribute__((noinline, unused)) void kdr_closest_settle(kdr_closest *cl
     if (!closest->sure)
         return;
     closest->sure = false;
-    kdr_corners corners = kdr_block_corners(closest->block, closest->place);
-    kdr_triangle_measure(f->origin, f->direction, &corners, &closest->hit);
+    kdr_triangle_measure(f->origin, f->direction, kdr_block_corners(closest->block, closest->place), &closest->hit);
     closest->least = closest->t = closest->hit.t;
 }
 
