@@ -29,9 +29,14 @@ KDR_LANES_INLINE void kdr_lanes_compress_u(uint32_t *to, kdr_lane_bits bits, kdr
     _mm512_mask_storeu_epi32(to, first, _mm512_maskz_compress_epi32((__mmask16)bits, (__m512i)v));
 }
 
-/* The chosen lanes packed low, all of the vector written. */
-KDR_LANES_INLINE void kdr_lanes_pack(float *to, kdr_lane_bits bits, kdr_lanes_f v) {
-    kdr_lanes_store(to, _mm512_maskz_compress_ps((__mmask16)bits, v));
+/* The chosen lanes packed low, and zeros. */
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_packed(kdr_lane_bits bits, kdr_lanes_f v) {
+    return _mm512_maskz_compress_ps((__mmask16)bits, v);
+}
+
+/* 0, 1, 2 ... */
+KDR_LANES_INLINE kdr_lanes_u kdr_lanes_count(void) {
+    return (kdr_lanes_u)_mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 }
 
 /* Lane i is v[order[i] % 16]. */

@@ -20,6 +20,14 @@ typedef struct kdr_ray_frame {
                                       * infinite: nothing is known in floats */
 } kdr_ray_frame;
 
+/* Faces of a box in a register; the fourth number has no meaning. */
+KDR_QUAD_INLINE kdr_quad kdr_quad_lo(const kdr_box *box) { return kdr_quad_load(box); }
+
+KDR_QUAD_INLINE kdr_quad kdr_quad_hi(const kdr_box *box) {
+    kdr_quad q = kdr_quad_load((const char *)box + offsetof(kdr_box, hi) - sizeof(float));
+    return __builtin_shufflevector(q, q, 1, 2, 3, 3);
+}
+
 /* False if the ray can hit nothing: a component is NaN or an infinite origin or direction, the direction is zero,
  * or tmin >= tmax. */
 static inline bool kdr_ray_is_valid(const kdr_ray *ray) {
@@ -47,16 +55,14 @@ static inline __attribute__((always_inline)) void kdr_ray_frame_set(kdr_ray_fram
     f->axis_z = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
     f->axis_x = f->axis_z == 2 ? 0 : f->axis_z + 1;
     f->axis_y = f->axis_x == 2 ? 0 : f->axis_x + 1;
-    float shear[4], longest = f->direction[f->axis_z];
-    kdr_quad_store(shear, direction / kdr_quad_all(longest));
-    f->shear_x = shear[f->axis_x];
-    f->shear_y = shear[f->axis_y];
-    f->scale_z = 1 / longest;
+    f->scale_z = 1 / f->direction[f->axis_z];
+    f->shear_x = f->direction[f->axis_x] * f->scale_z;
+    f->shear_y = f->direction[f->axis_y] * f->scale_z;
 
     /* With m the largest coordinate of a point seen from the origin, a sheared coordinate is off by at most
-     * 2^-24 (2 + 4) m: its two terms carry one and three roundings and it has one of its own. The products of an edge
-     * function add less than as much again. 16 leaves a quarter unused. */
-    kdr_quad lo = {bounds->lo[0], bounds->lo[1], bounds->lo[2]}, hi = {bounds->hi[0], bounds->hi[1], bounds->hi[2]};
+     * 2^-24 (2 + 5) m: its two terms carry one and four roundings and it has one of its own. The products of an edge
+     * function add less than as much again. 16 leaves an eighth unused. */
+    kdr_quad lo = kdr_quad_lo(bounds), hi = kdr_quad_hi(bounds);
     float m[4];
     kdr_quad_store(m, kdr_quad_max(kdr_quad_abs(lo - origin), kdr_quad_abs(hi - origin)));
     float m01 = m[0] > m[1] ? m[0] : m[1];

@@ -93,7 +93,7 @@ static __attribute__((noinline)) bool stack_any(const kdr_tree *tree, const kdr_
 /* Lone rays take the wide tree where there is one, if they are of a usual kind. */
 static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *found) {
     wide_ray r;
-    if (__builtin_expect(!wide_begin(&r, ray, &tree->bounds) || !tree->wide, 0)) {
+    if (__builtin_expect(!wide_begin(&r, ray, tree) || !tree->wide, 0)) {
         kdr_entry root = kdr_entry_root(tree);
         return stack_closest(tree, &root, ray, found);
     }
@@ -109,7 +109,7 @@ static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *
 
 static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
     wide_ray r;
-    if (__builtin_expect(!wide_begin(&r, ray, &tree->bounds) || !tree->wide, 0)) {
+    if (__builtin_expect(!wide_begin(&r, ray, tree) || !tree->wide, 0)) {
         kdr_entry root = kdr_entry_root(tree);
         return stack_any(tree, &root, ray);
     }

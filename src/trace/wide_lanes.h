@@ -26,29 +26,27 @@ typedef struct wide_ray {
  * With o the origin, B the largest coordinate on the axis and r the reciprocal, a distance has roundings of its two
  * products, of r, of what is put together here and of the last sum: each at most 2^-24 of (|o| + B) |r|, eight of
  * them at most, and at most 2^-120 is lost below the smallest floats.
- * r is kept below 2^30 of that of the longest axis L, so that a ray along an axis needs no case of its own. Where it is
- * cut, distances are nearer than they are; with the largest |o| + B of all axes in the room for roundings, boxes that
- * reach the origin's side of a plane still get distances of at most 0 and at least 2^8 (|o| + B) / L, which is more
- * than any in the scene. */
-KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray, const kdr_box *bounds) {
-    const float largest = 0x1p60f;
+ * A direction is taken to be 2^-63 at least on each axis, so that a ray along an axis needs no case of its own. Where
+ * it is less, distances are nearer than they are; with the largest |o| + B of all axes in the room for roundings, boxes
+ * that reach the origin's side of a plane still get distances of at most 0 and at least 2^42 (|o| + B), which is more
+ * than any in the scene, since the longest axis has a direction of 2^-40 at least. */
+KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray, const kdr_tree *tree) {
     kdr_quad origin = kdr_quad_load(ray), direction = kdr_quad_load((const char *)ray + offsetof(kdr_ray, direction_x));
-    kdr_quad size = kdr_quad_abs(direction);
-    float longest = size[0] > size[1] ? size[0] : size[1];
-    longest = size[2] > longest ? size[2] : longest;
-    kdr_quad_i usual = (kdr_quad_abs(origin) <= KDR_WIDE_LARGEST) & (size <= largest);
-    bool fits = (kdr_quad_bits(usual) & 7) == 7 && longest >= 1 / largest;
+    kdr_quad size = kdr_quad_abs(direction), least = kdr_quad_all(0x1p-63f);
+    kdr_quad_i usual = (kdr_quad_abs(origin) <= KDR_WIDE_LARGEST) & (size <= 0x1p60f);
+    bool fits = (kdr_quad_bits(usual) & 7) == 7 && (kdr_quad_bits(size >= 0x1p-40f) & 7) != 0;
 
     kdr_quad_i sign = (kdr_quad_i)direction & INT32_MIN;
-    kdr_quad least = kdr_quad_all(longest * 0x1p-30f), kept = kdr_quad_max(size, least);
-    kdr_quad reciprocal = (kdr_quad)((kdr_quad_i)(1 / kept) | sign);
-    kdr_quad lo = {bounds->lo[0], bounds->lo[1], bounds->lo[2]}, hi = {bounds->hi[0], bounds->hi[1], bounds->hi[2]};
-    kdr_quad reach = kdr_quad_abs(origin) + kdr_quad_max(kdr_quad_abs(lo), kdr_quad_abs(hi));
-    float farthest = reach[0] > reach[1] ? reach[0] : reach[1];
-    farthest = reach[2] > farthest ? reach[2] : farthest;
-    kdr_quad cut = (kdr_quad)((kdr_quad_i)kdr_quad_all(farthest) & (size < least));
-    kdr_quad slack = kdr_quad_max(reach, cut) * kdr_quad_abs(reciprocal) * 0x1p-21f + 0x1p-120f;
-    kdr_quad start = origin * reciprocal;
+    kdr_quad size_reciprocal = 1 / kdr_quad_max(size, least);
+    kdr_quad reciprocal = (kdr_quad)((kdr_quad_i)size_reciprocal | sign);
+    kdr_quad reach = kdr_quad_abs(origin) +
+                     kdr_quad_max(kdr_quad_abs(kdr_quad_lo(&tree->bounds)), kdr_quad_abs(kdr_quad_hi(&tree->bounds)));
+    if (__builtin_expect((kdr_quad_bits(size < least) & 7) != 0, 0)) {
+        float farthest = reach[0] > reach[1] ? reach[0] : reach[1];
+        farthest = reach[2] > farthest ? reach[2] : farthest;
+        reach = kdr_quad_all(farthest);
+    }
+    kdr_quad slack = reach * size_reciprocal * 0x1p-21f + 0x1p-120f, start = origin * reciprocal;
     kdr_quad_store(r->reciprocal, reciprocal);
     kdr_quad_store(r->near, -start - slack);
     kdr_quad_store(r->far, slack - start);
@@ -86,9 +84,10 @@ KDR_LANES_INLINE void wide_meet(const kdr_wide_node *node, const wide_ray *r, ui
 
 #if KDR_LANES == KDR_WIDE
 
-/* Puts the children that the ray meets no later than tmax on the stack, the first on top. */
-KDR_LANES_INLINE void wide_open(const kdr_wide_node *node, const wide_ray *r, float tmin, float tmax,
-                                wide_stack *stack) {
+/* Opens a node: the first child that the ray meets no later than tmax, or KDR_WIDE_NOTHING; the others go on the stack,
+ * the next on top. */
+KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r, float tmin, float tmax,
+                                    wide_stack *stack) {
     kdr_lanes_f enter, leave;
     wide_meet(node, r, 0, tmin, tmax, &enter, &leave);
     kdr_lanes_u order = kdr_lanes_nibbles(node->order[r->octant]);
@@ -96,15 +95,24 @@ KDR_LANES_INLINE void wide_open(const kdr_wide_node *node, const wide_ray *r, fl
     leave = kdr_lanes_permute(leave, order);
     kdr_lanes_u child = (kdr_lanes_u)kdr_lanes_permute((kdr_lanes_f)kdr_lanes_load_u(node->child), order);
     kdr_lane_bits met = KDR_LANE_BITS_ALL & ~kdr_lanes_less(leave, enter);
-    kdr_lanes_pack(&stack->enter[stack->top], met, enter);
-    kdr_lanes_pack((float *)&stack->child[stack->top], met, (kdr_lanes_f)child);
-    stack->top += (uint32_t)__builtin_popcount(met);
+    if (met == 0)
+        return KDR_WIDE_NOTHING;
+    enter = kdr_lanes_packed(met, enter);
+    child = (kdr_lanes_u)kdr_lanes_packed(met, (kdr_lanes_f)child);
+
+    /* Turned round, so that the first is behind the others and the next child does not wait for memory. */
+    uint32_t others = (uint32_t)__builtin_popcount(met) - 1;
+    kdr_lanes_u turned = others - kdr_lanes_count();
+    kdr_lanes_store(&stack->enter[stack->top], kdr_lanes_permute(enter, turned));
+    kdr_lanes_store((float *)&stack->child[stack->top], kdr_lanes_permute((kdr_lanes_f)child, turned));
+    stack->top += others;
+    return child[0];
 }
 
 #else
 
-KDR_LANES_INLINE void wide_open(const kdr_wide_node *node, const wide_ray *r, float tmin, float tmax,
-                                wide_stack *stack) {
+KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r, float tmin, float tmax,
+                                    wide_stack *stack) {
     float enters[KDR_WIDE];
     uint32_t met = 0, top = stack->top;
     for (uint32_t i = 0; i < KDR_WIDE; i += KDR_LANES) {
@@ -113,14 +121,17 @@ KDR_LANES_INLINE void wide_open(const kdr_wide_node *node, const wide_ray *r, fl
         kdr_lanes_store(enters + i, enter);
         met |= (KDR_LANE_BITS_ALL & ~kdr_lanes_less(leave, enter)) << i;
     }
+    if (met == 0)
+        return KDR_WIDE_NOTHING;
     uint64_t order = node->order[r->octant];
-    for (uint32_t i = 0; i < KDR_WIDE; i++, order >>= 4) {
-        uint32_t place = order & 15;
+    for (uint32_t i = 0; i < KDR_WIDE; i++, order <<= 4) {
+        uint32_t place = (uint32_t)(order >> 60);
         stack->enter[top] = enters[place];
         stack->child[top] = node->child[place];
         top += met >> place & 1;
     }
-    stack->top = top;
+    stack->top = top - 1;
+    return stack->child[top - 1];
 }
 
 #endif
@@ -132,9 +143,12 @@ KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const wide_ray *r, con
     stack.top = 0;
     uint32_t child = 0;
     for (;;) {
-        if (!(child & KDR_WIDE_LEAF)) {
-            wide_open(&tree->wide[child], r, tmin, any ? end : closest->t, &stack);
-        } else {
+        /* Go down to a leaf, always to the first child. */
+        while (!(child & KDR_WIDE_LEAF))
+            child = wide_open(&tree->wide[child], r, tmin, any ? end : closest->t, &stack);
+
+        /* Ask its block. */
+        if (child != KDR_WIDE_NOTHING) {
             kdr_block block = kdr_wide_block(tree, child);
             if (any && kdr_block_any(block, f, tmin, end))
                 return true;

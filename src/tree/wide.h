@@ -18,8 +18,8 @@ typedef struct kdr_wide_node {
     /* Faces of the boxes: lower ones on the three axes, then upper ones; an unused place has an empty box. */
     _Alignas(64) float face[6][KDR_WIDE];
     uint32_t child[KDR_WIDE];
-    /* The children in the order of each octant of directions, the last first, four bits each; those of unused places
-     * come after. Octant bit k: the ray runs down axis k. */
+    /* The children in the order of each octant of directions, the first lowest, four bits each; unused places come
+     * last. Octant bit k: the ray runs down axis k. */
     uint64_t order[8];
 } kdr_wide_node;
 
@@ -27,7 +27,8 @@ typedef struct kdr_wide_node {
 #define KDR_WIDE_LEAF 0x80000000u
 #define KDR_WIDE_GROUP_BITS 4
 #define KDR_WIDE_MAX_GROUPS ((1u << KDR_WIDE_GROUP_BITS) - 1)
-#define KDR_WIDE_MAX_INDEX ((1u << (31 - KDR_WIDE_GROUP_BITS)) - 1)
+#define KDR_WIDE_MAX_INDEX ((1u << (31 - KDR_WIDE_GROUP_BITS)) - 2)
+#define KDR_WIDE_NOTHING UINT32_MAX /* no child has this value */
 
 /* The block of a child that is a leaf. */
 static inline kdr_block kdr_wide_block(const kdr_tree *tree, uint32_t child) {
