@@ -60,6 +60,15 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_abs(kdr_lanes_f v) { return (kdr_lanes_f)
 #include "geometry/lanes_plain.h"
 #endif
 
+/* The larger size of the two. */
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_larger(kdr_lanes_f a, kdr_lanes_f b) {
+#if defined(__AVX512DQ__) && KDR_LANES == 16
+    return _mm512_range_ps(a, b, 0x0b);
+#else
+    return kdr_lanes_max(kdr_lanes_abs(a), kdr_lanes_abs(b));
+#endif
+}
+
 /* a * b + c and c - a * b, where it does not matter whether the product is rounded. */
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_add_product(kdr_lanes_f c, kdr_lanes_f a, kdr_lanes_f b) {
 #if defined(__FMA__) && KDR_LANES == 16

@@ -45,10 +45,10 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_permute(kdr_lanes_f v, kdr_lanes_u order)
 }
 
 /* Sixteen numbers of four bits, the lowest first, in the low bits of each lane; what is above them has no meaning. */
-KDR_LANES_INLINE kdr_lanes_u kdr_lanes_nibbles(uint64_t word) {
+KDR_LANES_INLINE kdr_lanes_u kdr_lanes_nibbles(const uint32_t words[2]) {
     const __m512i shift = _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 0, 4, 8, 12, 16, 20, 24, 28);
-    __m512i low = _mm512_set1_epi32((int)(uint32_t)word);
-    __m512i both = _mm512_mask_set1_epi32(low, 0xff00, (int)(uint32_t)(word >> 32));
+    __m512i low = _mm512_set1_epi32((int)words[0]);
+    __m512i both = _mm512_mask_set1_epi32(low, 0xff00, (int)words[1]);
     return (kdr_lanes_u)_mm512_srlv_epi32(both, shift);
 }
 

@@ -91,13 +91,30 @@ static inline __attribute__((always_inline)) kdr_two kdr_two_abs(kdr_two q) {
     return (kdr_two)((kdr_two_i)q & INT64_MAX);
 }
 
-static inline __attribute__((always_inline)) kdr_two kdr_two_max(kdr_two a, kdr_two b) {
-    kdr_two_i more = a > b;
-    return (kdr_two)(((kdr_two_i)a & more) | ((kdr_two_i)b & ~more));
-}
-
 static inline __attribute__((always_inline)) kdr_two kdr_two_swap(kdr_two q) {
     return __builtin_shufflevector(q, q, 1, 0);
+}
+
+/* True if x is in the range of normal floats, and all doubles within 2^-34 of it, relatively, round to the same float.
+ */
+static inline __attribute__((always_inline)) bool kdr_rounds_surely(double x) {
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    uint64_t rest = bits & 0x1fffffff, middle = 0x10000000, doubt = 0x80000; /* of 2^-53 */
+    double size = fabs(x);
+    return rest - (middle - doubt) > 2 * doubt && size > 0x1p-125 && size < 0x1p127;
+}
+
+/* The distance num / den, rounded as the exact one is, with a bound of its own for the errors; sizes are the largest
+ * coordinates of s and d, and size_n is the error of a coordinate of n. For the few whose rounding is in doubt. */
+static __attribute__((noinline, unused)) float kdr_corners_distance(const float o[3], const float d[3], kdr_corners t,
+                                                                    double num, double den, double size_n,
+                                                                    double size_s, double size_d) {
+    double inverse = 1 / den, quotient = num * inverse, doubt_den = size_n * size_d;
+    double error = fabs(quotient) * 0x1p-49 + 2 * fabs(inverse) * (size_n * size_s + fabs(quotient) * doubt_den);
+    float lo = (float)(quotient - error), hi = (float)(quotient + error);
+    bool rounded = fabs(den) > 2 * doubt_den && lo == hi;
+    return (rounded ? lo : kdr_corners_distance_exact(o, d, t)) + 0.0f; /* no negative zero */
 }
 
 /* Fills *hit for a ray whose line meets the triangle; den must not be zero.
@@ -120,15 +137,17 @@ static inline __attribute__((always_inline)) void kdr_triangle_measure(const flo
     kdr_two den_u = nr[0] * kdr_two_swap(fd[0]) + nr[1] * kdr_two_swap(fd[1]) + nr[2] * kdr_two_swap(fd[2]);
     kdr_two num_v = nr[0] * kdr_two_swap(es[0]) + nr[1] * kdr_two_swap(es[1]) + nr[2] * kdr_two_swap(es[2]);
 
-    /* Distance: rounded as the exact one is, if the bound leaves no doubt. */
-    kdr_two size_es = kdr_two_max(kdr_two_max(kdr_two_abs(es[0]), kdr_two_abs(es[1])), kdr_two_abs(es[2]));
-    kdr_two size_fd = kdr_two_max(kdr_two_max(kdr_two_abs(fd[0]), kdr_two_abs(fd[1])), kdr_two_abs(fd[2]));
-    double den = den_u[0], inverse = 1 / den, quotient = -num_v[0] * inverse;
-    double size_n = KDR_TRIANGLE_ERROR * size_es[0] * size_fd[0], doubt_den = size_n * size_fd[1];
-    double error = fabs(quotient) * 0x1p-49 + 2 * fabs(inverse) * (size_n * size_es[1] + fabs(quotient) * doubt_den);
-    float lo = (float)(quotient - error), hi = (float)(quotient + error);
-    bool rounded = fabs(den) > 2 * doubt_den && lo == hi;
-    hit->t = (__builtin_expect(rounded, 1) ? lo : kdr_corners_distance_exact(o, d, t)) + 0.0f; /* no negative zero */
+    /* Distance. Where num and den are good to 36 bits, so is nearly their quotient, and it rounds as the exact one does
+     * unless it lies near the middle of two floats. */
+    kdr_two size_es = kdr_two_abs(es[0]) + kdr_two_abs(es[1]) + kdr_two_abs(es[2]);
+    kdr_two size_fd = kdr_two_abs(fd[0]) + kdr_two_abs(fd[1]) + kdr_two_abs(fd[2]);
+    double num = -num_v[0], den = den_u[0], inverse = 1 / den, quotient = num * inverse;
+    double size_n = KDR_TRIANGLE_ERROR * size_es[0] * size_fd[0];
+    bool good = (0x1p36 * size_n * size_es[1] < fabs(num)) & (0x1p36 * size_n * size_fd[1] < fabs(den));
+    if (__builtin_expect(good && kdr_rounds_surely(quotient), 1))
+        hit->t = (float)quotient;
+    else
+        hit->t = kdr_corners_distance(o, d, t, num, den, size_n, size_es[1], size_fd[1]);
 
     double u = -den_u[1] * inverse, v = num_v[1] * inverse;
     hit->u = (float)(u > 0 ? (u < 1 ? u : 1) : 0);

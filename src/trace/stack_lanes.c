@@ -98,10 +98,9 @@ static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *
         return stack_closest(tree, &root, ray, found);
     }
     kdr_ray_frame f;
-    kdr_ray_frame_set(&f, ray, &tree->bounds);
     kdr_closest closest;
     kdr_closest_begin(&closest, ray->tmax);
-    bool hit = kdr_wide_walk(tree, &r, &f, ray->tmin, ray->tmax, false, &closest);
+    bool hit = kdr_wide_walk(tree, &r, &f, ray, ray->tmin, ray->tmax, false, &closest);
     if (hit)
         report(&closest, &f, found);
     return leave(hit);
@@ -114,8 +113,7 @@ static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
         return stack_any(tree, &root, ray);
     }
     kdr_ray_frame f;
-    kdr_ray_frame_set(&f, ray, &tree->bounds);
-    return leave(kdr_wide_walk(tree, &r, &f, ray->tmin, ray->tmax, true, NULL));
+    return leave(kdr_wide_walk(tree, &r, &f, ray, ray->tmin, ray->tmax, true, NULL));
 }
 
 extern const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals);

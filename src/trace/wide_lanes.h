@@ -123,9 +123,9 @@ KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r
     }
     if (met == 0)
         return KDR_WIDE_NOTHING;
-    uint64_t order = node->order[r->octant];
-    for (uint32_t i = 0; i < KDR_WIDE; i++, order <<= 4) {
-        uint32_t place = (uint32_t)(order >> 60);
+    const uint32_t *order = node->order[r->octant];
+    for (uint32_t i = KDR_WIDE; i-- > 0;) {
+        uint32_t place = order[i / 8] >> 4 * (i % 8) & 15;
         stack->enter[top] = enters[place];
         stack->child[top] = node->child[place];
         top += met >> place & 1;
@@ -137,10 +137,11 @@ KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r
 #endif
 
 /* `end`: the ray's tmax. */
-KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const wide_ray *r, const kdr_ray_frame *f, float tmin,
-                                    float end, const bool any, kdr_closest *closest) {
+KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const wide_ray *r, kdr_ray_frame *f, const kdr_ray *ray,
+                                    float tmin, float end, const bool any, kdr_closest *closest) {
     wide_stack stack;
     stack.top = 0;
+    bool framed = false;
     uint32_t child = 0;
     for (;;) {
         /* Go down to a leaf, always to the first child. */
@@ -149,6 +150,10 @@ KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const wide_ray *r, con
 
         /* Ask its block. */
         if (child != KDR_WIDE_NOTHING) {
+            if (!framed) {
+                framed = true;
+                kdr_ray_frame_set(f, ray, &tree->bounds);
+            }
             kdr_block block = kdr_wide_block(tree, child);
             if (any && kdr_block_any(block, f, tmin, end))
                 return true;

@@ -50,7 +50,7 @@ KDR_LANES_INLINE kdr_lane_bits kdr_block_meet(kdr_block block, const kdr_ray_fra
         e->z[i] = kdr_lanes_load(at_z + i * vertex) - f->origin[f->axis_z];
         x[i] = kdr_lanes_less_product(kdr_lanes_load(at_x + i * vertex) - f->origin[f->axis_x], shear_x, e->z[i]);
         y[i] = kdr_lanes_less_product(kdr_lanes_load(at_y + i * vertex) - f->origin[f->axis_y], shear_y, e->z[i]);
-        size[i] = kdr_lanes_abs(x[i]) + kdr_lanes_abs(y[i]);
+        size[i] = kdr_lanes_larger(x[i], y[i]);
     }
 
     /* Edge functions, and one bound for the three of a triangle. */
@@ -58,8 +58,8 @@ KDR_LANES_INLINE kdr_lane_bits kdr_block_meet(kdr_block block, const kdr_ray_fra
         int p = (i + 1) % 3, q = (i + 2) % 3;
         e->edge[i] = kdr_lanes_less_product(x[q] * y[p], y[q], x[p]);
     }
-    kdr_lanes_f doubt = kdr_lanes_all(f->doubt), least_bound = kdr_lanes_all(f->doubt * f->doubt + 0x1p-126f);
-    e->bound = kdr_lanes_add_product(least_bound, doubt, (size[0] + size[1]) + size[2]);
+    kdr_lanes_f doubt = kdr_lanes_all(4 * f->doubt), least_bound = kdr_lanes_all(f->doubt * f->doubt + 0x1p-126f);
+    e->bound = kdr_lanes_add_product(least_bound, doubt, kdr_lanes_larger(kdr_lanes_larger(size[0], size[1]), size[2]));
 
     /* A lane misses if one is surely positive and another surely negative. */
     e->least = kdr_lanes_min(kdr_lanes_min(e->edge[0], e->edge[1]), e->edge[2]);

@@ -112,14 +112,14 @@ static void rank_members(const opening *o, uint32_t at, uint32_t before, uint32_
 }
 
 /* Writes the members' places in the order of their ranks; unused places fill up the word. */
-static void order_members(const opening *o, uint64_t order[8]) {
+static void order_members(const opening *o, uint32_t order[8][2]) {
     uint32_t rank[KDR_WIDE];
     rank_members(o, 0, 0, rank);
     for (uint32_t octant = 0; octant < 8; octant++) {
-        order[octant] = 0;
-        for (uint64_t i = 0; i < KDR_WIDE; i++) {
-            uint64_t at = i < o->member_count ? rank[i] >> 4 * octant & 15 : i;
-            order[octant] |= i << 4 * at;
+        order[octant][0] = order[octant][1] = 0;
+        for (uint32_t i = 0; i < KDR_WIDE; i++) {
+            uint32_t at = i < o->member_count ? rank[i] >> 4 * octant & 15 : i;
+            order[octant][at / 8] |= i << 4 * (at % 8);
         }
     }
 }

@@ -20,7 +20,7 @@ typedef struct kdr_wide_node {
     uint32_t child[KDR_WIDE];
     /* The children in the order of each octant of directions, the first lowest, four bits each; unused places come
      * last. Octant bit k: the ray runs down axis k. */
-    uint64_t order[8];
+    uint32_t order[8][2];
 } kdr_wide_node;
 
 /* A child is a wide node, a block, or, where a block is too long or lies too far, a leaf of the tree. */
