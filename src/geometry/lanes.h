@@ -90,6 +90,16 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_less_product(kdr_lanes_f c, kdr_lanes_f a
 #endif
 }
 
+/* 1 / v within 2^-20 of it, for v and 1 / v among the normal floats. */
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_reciprocal(kdr_lanes_f v) {
+#if defined(__AVX512F__) && KDR_LANES == 16
+    kdr_lanes_f guess = _mm512_rcp14_ps(v);
+    return kdr_lanes_add_product(guess, guess, kdr_lanes_less_product(kdr_lanes_all(1), guess, v));
+#else
+    return 1 / v;
+#endif
+}
+
 /* Said before a function of a table returns: the upper halves of vector registers are clean again, without which the
  * old vector instructions of the caller cost hundreds of cycles. */
 KDR_LANES_INLINE void kdr_lanes_leave(void) {

@@ -14,10 +14,12 @@
 
 typedef struct kdr_ray_frame {
     float origin[4], direction[4]; /* the fourth of each has no meaning */
-    int axis_x, axis_y, axis_z;
+    uint32_t axis_x, axis_y, axis_z;
+    float origin_along[3];           /* the origin on axes x, y, z */
     float shear_x, shear_y, scale_z; /* scale_z: 1 / direction on axis z */
-    float doubt;                     /* at least the error of a sheared coordinate of any point in the scene's box;
-                                      * infinite: nothing is known in floats */
+    /* Times the largest coordinate of a sheared triangle, plus `doubt_least`: at least the error of its edge functions.
+     * Infinite: nothing is known in floats. */
+    float doubt, doubt_least;
 } kdr_ray_frame;
 
 /* Faces of a box in a register; the fourth number has no meaning. */
@@ -59,16 +61,22 @@ static inline __attribute__((always_inline)) void kdr_ray_frame_set(kdr_ray_fram
     f->shear_x = f->direction[f->axis_x] * f->scale_z;
     f->shear_y = f->direction[f->axis_y] * f->scale_z;
 
+    f->origin_along[0] = f->origin[f->axis_x];
+    f->origin_along[1] = f->origin[f->axis_y];
+    f->origin_along[2] = f->origin[f->axis_z];
+
     /* With m the largest coordinate of a point seen from the origin, a sheared coordinate is off by at most
-     * 2^-24 (2 + 5) m: its two terms carry one and four roundings and it has one of its own. The products of an edge
-     * function add less than as much again. 16 leaves an eighth unused. */
+     * e = 2^-24 (2 + 5) m: its two terms carry one and four roundings and it has one of its own. An edge function of
+     * coordinates up to s is off by at most 4 e s + 2 e^2, and its products add less than as much again: 64 2^-24 m s
+     * leaves an eighth unused. */
     kdr_quad lo = kdr_quad_lo(bounds), hi = kdr_quad_hi(bounds);
     float m[4];
     kdr_quad_store(m, kdr_quad_max(kdr_quad_abs(lo - origin), kdr_quad_abs(hi - origin)));
     float m01 = m[0] > m[1] ? m[0] : m[1];
     float largest = m01 > m[2] ? m01 : m[2];
     bool in_range = largest <= KDR_RAY_FRAME_LARGEST && largest * fabsf(f->scale_z) <= KDR_RAY_FRAME_LARGEST;
-    f->doubt = in_range ? 16 * 0x1p-24f * largest : INFINITY;
+    f->doubt = in_range ? 64 * 0x1p-24f * largest : INFINITY;
+    f->doubt_least = 0x1p-4f * f->doubt * f->doubt + 0x1p-126f;
 }
 
 #endif

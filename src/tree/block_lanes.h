@@ -36,20 +36,34 @@ typedef struct kdr_block_edges {
     kdr_lanes_f bound;         /* at least the error of each */
 } kdr_block_edges;
 
+/* A block along the axes of a ray's shear: the rows of the first corner's x, y and z; those of the next corner come
+ * `corner` floats later. */
+typedef struct kdr_block_rows {
+    const float *x, *y, *z;
+    size_t corner, length;
+} kdr_block_rows;
+
+KDR_LANES_INLINE kdr_block_rows kdr_block_rows_of(kdr_block block, const kdr_ray_frame *f) {
+    return (kdr_block_rows){.x = block.rows + f->axis_x * block.length,
+                            .y = block.rows + f->axis_y * block.length,
+                            .z = block.rows + f->axis_z * block.length,
+                            .corner = 3 * block.length,
+                            .length = block.length};
+}
+
 /* Lanes from `first` on whose triangle the ray's line is not proven to miss. */
-KDR_LANES_INLINE kdr_lane_bits kdr_block_meet(kdr_block block, const kdr_ray_frame *f, size_t first,
+KDR_LANES_INLINE kdr_lane_bits kdr_block_meet(const kdr_block_rows *rows, const kdr_ray_frame *f, size_t first,
                                               kdr_block_edges *e) {
     /* Shear the vertices, as seen from the origin. */
-    const float *at = block.rows + first;
-    const size_t vertex = 3 * block.length;
-    const float *at_x = at + (size_t)f->axis_x * block.length, *at_y = at + (size_t)f->axis_y * block.length;
-    const float *at_z = at + (size_t)f->axis_z * block.length;
     kdr_lanes_f shear_x = kdr_lanes_all(f->shear_x), shear_y = kdr_lanes_all(f->shear_y);
+    kdr_lanes_f origin_x = kdr_lanes_all(f->origin_along[0]), origin_y = kdr_lanes_all(f->origin_along[1]);
+    kdr_lanes_f origin_z = kdr_lanes_all(f->origin_along[2]);
     kdr_lanes_f x[3], y[3], size[3];
     for (size_t i = 0; i < 3; i++) {
-        e->z[i] = kdr_lanes_load(at_z + i * vertex) - f->origin[f->axis_z];
-        x[i] = kdr_lanes_less_product(kdr_lanes_load(at_x + i * vertex) - f->origin[f->axis_x], shear_x, e->z[i]);
-        y[i] = kdr_lanes_less_product(kdr_lanes_load(at_y + i * vertex) - f->origin[f->axis_y], shear_y, e->z[i]);
+        size_t at = first + i * rows->corner;
+        e->z[i] = kdr_lanes_load(rows->z + at) - origin_z;
+        x[i] = kdr_lanes_less_product(kdr_lanes_load(rows->x + at) - origin_x, shear_x, e->z[i]);
+        y[i] = kdr_lanes_less_product(kdr_lanes_load(rows->y + at) - origin_y, shear_y, e->z[i]);
         size[i] = kdr_lanes_larger(x[i], y[i]);
     }
 
@@ -58,14 +72,14 @@ KDR_LANES_INLINE kdr_lane_bits kdr_block_meet(kdr_block block, const kdr_ray_fra
         int p = (i + 1) % 3, q = (i + 2) % 3;
         e->edge[i] = kdr_lanes_less_product(x[q] * y[p], y[q], x[p]);
     }
-    kdr_lanes_f doubt = kdr_lanes_all(4 * f->doubt), least_bound = kdr_lanes_all(f->doubt * f->doubt + 0x1p-126f);
-    e->bound = kdr_lanes_add_product(least_bound, doubt, kdr_lanes_larger(kdr_lanes_larger(size[0], size[1]), size[2]));
+    e->bound = kdr_lanes_add_product(kdr_lanes_all(f->doubt_least), kdr_lanes_all(f->doubt),
+                                     kdr_lanes_larger(kdr_lanes_larger(size[0], size[1]), size[2]));
 
     /* A lane misses if one is surely positive and another surely negative. */
     e->least = kdr_lanes_min(kdr_lanes_min(e->edge[0], e->edge[1]), e->edge[2]);
     e->most = kdr_lanes_max(kdr_lanes_max(e->edge[0], e->edge[1]), e->edge[2]);
     kdr_lane_bits missed = kdr_lanes_less(e->least, -e->bound) & kdr_lanes_less(e->bound, e->most);
-    return ~missed & kdr_lanes_first((uint32_t)(block.length - first));
+    return ~missed & kdr_lanes_first((uint32_t)(rows->length - first));
 }
 
 /* Lanes whose triangle it surely meets. */
@@ -82,22 +96,21 @@ typedef struct kdr_block_span {
  * floats e within b of E and z within four roundings of Z,
  *     computed t - t = (sum((e - E) (z - t)) + sum(E (z - Z)) + roundings) / sum(e),
  * so that what an edge function is off by counts only against the extent of the triangle along the ray. Where the sum
- * of the e is at least 16 b, their sizes add up to at most 5/4 of it, and the bound below is more than the double of
- * this. */
+ * of the e is at least 16 b, their sizes add up to at most 5/4 of it, so t is at most 5/4 of the extent away from each
+ * z, and the bound below is more than the double of this and of what is lost below the smallest floats. It does not
+ * wait for t. */
 KDR_LANES_INLINE kdr_block_span kdr_block_span_of(const kdr_block_edges *e, const kdr_ray_frame *f) {
-    kdr_lanes_f den = (e->edge[0] + e->edge[1]) + e->edge[2], inverse = 1 / den;
-    kdr_lanes_f z[3], num = kdr_lanes_all(0), extent = kdr_lanes_all(0), reach = kdr_lanes_all(0);
-    for (int i = 0; i < 3; i++) {
-        z[i] = e->z[i] * f->scale_z;
-        num = kdr_lanes_add_product(num, e->edge[i], z[i]);
-        reach += kdr_lanes_abs(z[i]);
-    }
-    kdr_lanes_f t = num * inverse;
+    kdr_lanes_f den = (e->edge[0] + e->edge[1]) + e->edge[2], inverse = kdr_lanes_reciprocal(den);
+    kdr_lanes_f z[3];
     for (int i = 0; i < 3; i++)
-        extent += kdr_lanes_abs(z[i] - t);
-    kdr_lanes_f doubt = (4 * e->bound * extent + 0x1p-126f) * kdr_lanes_abs(inverse);
-    doubt += 0x1p-18f * (reach + kdr_lanes_abs(t)) + 0x1p-120f;
+        z[i] = e->z[i] * f->scale_z;
+    kdr_lanes_f num = kdr_lanes_add_product(e->edge[0] * z[0] + e->edge[1] * z[1], e->edge[2], z[2]);
+    kdr_lanes_f extent =
+        kdr_lanes_max(kdr_lanes_max(z[0], z[1]), z[2]) - kdr_lanes_min(kdr_lanes_min(z[0], z[1]), z[2]);
+    kdr_lanes_f reach = kdr_lanes_larger(kdr_lanes_larger(z[0], z[1]), z[2]);
+    kdr_lanes_f doubt_num = 16 * e->bound * extent + 0x1p-126f, doubt_t = 0x1p-15f * reach + 0x1p-120f;
     kdr_lane_bits known = kdr_lanes_less(16 * e->bound, kdr_lanes_abs(den));
+    kdr_lanes_f t = num * inverse, doubt = kdr_lanes_add_product(doubt_t, doubt_num, kdr_lanes_abs(inverse));
     return (kdr_block_span){kdr_lanes_choose(known, t - doubt, kdr_lanes_all(-INFINITY)),
                             kdr_lanes_choose(known, t + doubt, kdr_lanes_all(INFINITY))};
 }
@@ -163,9 +176,10 @@ KDR_LANES_INLINE void kdr_closest_decide(kdr_closest *closest, const kdr_ray_fra
 
 /* Makes *closest the closest of itself and the block's hits beyond tmin; of equal distances the lowest primitive. */
 KDR_LANES_INLINE void kdr_block_closest(kdr_block block, const kdr_ray_frame *f, float tmin, kdr_closest *closest) {
+    kdr_block_rows rows = kdr_block_rows_of(block, f);
     for (size_t first = 0; first < block.length; first += KDR_LANES) {
         kdr_block_edges e;
-        kdr_lane_bits left = kdr_block_meet(block, f, first, &e);
+        kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e);
         if (__builtin_expect(left == 0, 1))
             continue;
         kdr_block_span span = kdr_block_span_of(&e, f);
@@ -185,9 +199,10 @@ KDR_LANES_INLINE void kdr_block_closest(kdr_block block, const kdr_ray_frame *f,
 
 /* True if the block has a hit in (tmin, tmax]. Where the filter is sure of one, nothing else is asked. */
 KDR_LANES_INLINE bool kdr_block_any(kdr_block block, const kdr_ray_frame *f, float tmin, float tmax) {
+    kdr_block_rows rows = kdr_block_rows_of(block, f);
     for (size_t first = 0; first < block.length; first += KDR_LANES) {
         kdr_block_edges e;
-        kdr_lane_bits left = kdr_block_meet(block, f, first, &e);
+        kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e);
         if (__builtin_expect(left == 0, 1))
             continue;
         kdr_block_span span = kdr_block_span_of(&e, f);
