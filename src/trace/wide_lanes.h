@@ -17,9 +17,12 @@
 typedef struct wide_ray {
     float reciprocal[4];
     float near[4], far[4];            /* added to plane * reciprocal: a distance not too large, and one not too small */
-    size_t near_face[3], far_face[3]; /* of a node: where the ray enters and where it leaves */
-    uint32_t octant;                  /* bit k: runs down axis k */
+    uint32_t octant; /* bit k: runs down axis k */
 } wide_ray;
+
+/* Faces of a node where rays of an octant enter on each axis, and where they leave. */
+static const size_t wide_faces[8][6] = {{0, 1, 2, 3, 4, 5}, {3, 1, 2, 0, 4, 5}, {0, 4, 2, 3, 1, 5}, {3, 4, 2, 0, 1, 5},
+                                        {0, 1, 5, 3, 4, 2}, {3, 1, 5, 0, 4, 2}, {0, 4, 5, 3, 1, 2}, {3, 4, 5, 0, 1, 2}};
 
 /* False if the ray is not valid or not of the usual kind: sizes out of range, tmin < 0.
  *
@@ -51,10 +54,6 @@ KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray, const kdr_tree
     kdr_quad_store(r->near, -start - slack);
     kdr_quad_store(r->far, slack - start);
     r->octant = kdr_quad_bits(sign) & 7;
-    for (size_t k = 0; k < 3; k++) {
-        r->near_face[k] = k + 3 * (r->octant >> k & 1);
-        r->far_face[k] = 2 * k + 3 - r->near_face[k];
-    }
     return fits && ray->tmin >= 0 && ray->tmin < ray->tmax;
 }
 
@@ -71,9 +70,10 @@ typedef struct wide_stack {
 /* Where the ray enters and leaves KDR_LANES boxes of a node from place i on, within [tmin, tmax]. */
 KDR_LANES_INLINE void wide_meet(const kdr_wide_node *node, const wide_ray *r, uint32_t i, float tmin, float tmax,
                                 kdr_lanes_f *enter, kdr_lanes_f *leave) {
+    const size_t *faces = wide_faces[r->octant];
     kdr_lanes_f sooner[3], later[3];
     for (int k = 0; k < 3; k++) {
-        const float *near = node->face[r->near_face[k]], *far = node->face[r->far_face[k]];
+        const float *near = node->face[faces[k]], *far = node->face[faces[3 + k]];
         kdr_lanes_f reciprocal = kdr_lanes_all(r->reciprocal[k]);
         sooner[k] = kdr_lanes_add_product(kdr_lanes_all(r->near[k]), kdr_lanes_load(near + i), reciprocal);
         later[k] = kdr_lanes_add_product(kdr_lanes_all(r->far[k]), kdr_lanes_load(far + i), reciprocal);
