@@ -100,6 +100,10 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_reciprocal(kdr_lanes_f v) {
 #endif
 }
 
+/* Has a variable lie in memory, where reading a float into all lanes costs a load; from a register it is a shuffle, and
+ * these have one port on many machines. */
+#define KDR_LANES_KEEP_IN_MEMORY(variable) __asm__ volatile("" : "+m"(variable))
+
 /* Said before a function of a table returns: the upper halves of vector registers are clean again, without which the
  * old vector instructions of the caller cost hundreds of cycles. */
 KDR_LANES_INLINE void kdr_lanes_leave(void) {

@@ -97,6 +97,7 @@ static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *
         kdr_entry root = kdr_entry_root(tree);
         return stack_closest(tree, &root, ray, found);
     }
+    KDR_LANES_KEEP_IN_MEMORY(r);
     kdr_ray_frame f;
     kdr_closest closest;
     kdr_closest_begin(&closest, ray->tmax);
@@ -112,6 +113,7 @@ static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
         kdr_entry root = kdr_entry_root(tree);
         return stack_any(tree, &root, ray);
     }
+    KDR_LANES_KEEP_IN_MEMORY(r);
     kdr_ray_frame f;
     return leave(kdr_wide_walk(tree, &r, &f, ray, ray->tmin, ray->tmax, true, NULL));
 }

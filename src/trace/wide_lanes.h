@@ -16,8 +16,8 @@
 
 typedef struct wide_ray {
     float reciprocal[4];
-    float near[4], far[4];            /* added to plane * reciprocal: a distance not too large, and one not too small */
-    uint32_t octant; /* bit k: runs down axis k */
+    float near[4], far[4]; /* added to plane * reciprocal: a distance not too large, and one not too small */
+    uint32_t octant;       /* bit k: runs down axis k */
 } wide_ray;
 
 /* Faces of a node where rays of an octant enter on each axis, and where they leave. */
