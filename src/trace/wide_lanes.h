@@ -87,13 +87,16 @@ KDR_LANES_INLINE void wide_meet(const kdr_wide_node *node, const wide_ray *r, ui
 /* Opens a node: the first child that the ray meets no later than tmax, or KDR_WIDE_NOTHING; the others go on the stack,
  * the next on top. */
 KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r, float tmin, float tmax,
-                                    wide_stack *stack) {
+                                    const bool any, wide_stack *stack) {
     kdr_lanes_f enter, leave;
     wide_meet(node, r, 0, tmin, tmax, &enter, &leave);
-    kdr_lanes_u order = kdr_lanes_nibbles(node->order[r->octant]);
-    enter = kdr_lanes_permute(enter, order);
-    leave = kdr_lanes_permute(leave, order);
-    kdr_lanes_u child = (kdr_lanes_u)kdr_lanes_permute((kdr_lanes_f)kdr_lanes_load_u(node->child), order);
+    kdr_lanes_u child = kdr_lanes_load_u(node->child);
+    if (!any) {
+        kdr_lanes_u order = kdr_lanes_nibbles(node->order[r->octant]);
+        enter = kdr_lanes_permute(enter, order);
+        leave = kdr_lanes_permute(leave, order);
+        child = (kdr_lanes_u)kdr_lanes_permute((kdr_lanes_f)child, order);
+    }
     kdr_lane_bits met = KDR_LANE_BITS_ALL & ~kdr_lanes_less(leave, enter);
     if (met == 0)
         return KDR_WIDE_NOTHING;
@@ -112,7 +115,7 @@ KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r
 #else
 
 KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r, float tmin, float tmax,
-                                    wide_stack *stack) {
+                                    const bool any, wide_stack *stack) {
     float enters[KDR_WIDE];
     uint32_t met = 0, top = stack->top;
     for (uint32_t i = 0; i < KDR_WIDE; i += KDR_LANES) {
@@ -125,7 +128,7 @@ KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r
         return KDR_WIDE_NOTHING;
     const uint32_t *order = node->order[r->octant];
     for (uint32_t i = KDR_WIDE; i-- > 0;) {
-        uint32_t place = order[i / 8] >> 4 * (i % 8) & 15;
+        uint32_t place = any ? i : order[i / 8] >> 4 * (i % 8) & 15;
         stack->enter[top] = enters[place];
         stack->child[top] = node->child[place];
         top += met >> place & 1;
@@ -146,7 +149,7 @@ KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const wide_ray *r, kdr
     for (;;) {
         /* Go down to a leaf, always to the first child. */
         while (!(child & KDR_WIDE_LEAF))
-            child = wide_open(&tree->wide[child], r, tmin, any ? end : closest->t, &stack);
+            child = wide_open(&tree->wide[child], r, tmin, any ? end : closest->t, any, &stack);
 
         /* Ask its block. */
         if (child != KDR_WIDE_NOTHING) {

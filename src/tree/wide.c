@@ -111,15 +111,29 @@ static void rank_members(const opening *o, uint32_t at, uint32_t before, uint32_
     rank_members(o, right, before + (left_count & ~mask), rank);
 }
 
+/* Gives the members their places, the largest box first. */
+static void place_members(const writer *w, const opening *o, uint32_t place[KDR_WIDE]) {
+    double area[KDR_WIDE];
+    for (uint32_t i = 0; i < KDR_WIDE; i++) {
+        area[i] = i < o->member_count ? kdr_box_area(&w->boxes[o->member[i].node]) : -1;
+        place[i] = i;
+        for (uint32_t j = 0; j < i; j++) {
+            bool after = area[j] >= area[i];
+            place[i] -= !after;
+            place[j] += !after;
+        }
+    }
+}
+
 /* Writes the members' places in the order of their ranks; unused places fill up the word. */
-static void order_members(const opening *o, uint32_t order[8][2]) {
+static void order_members(const opening *o, const uint32_t place[KDR_WIDE], uint32_t order[8][2]) {
     uint32_t rank[KDR_WIDE];
     rank_members(o, 0, 0, rank);
     for (uint32_t octant = 0; octant < 8; octant++) {
         order[octant][0] = order[octant][1] = 0;
         for (uint32_t i = 0; i < KDR_WIDE; i++) {
             uint32_t at = i < o->member_count ? rank[i] >> 4 * octant & 15 : i;
-            order[octant][at / 8] |= i << 4 * (at % 8);
+            order[octant][at / 8] |= place[i] << 4 * (at % 8);
         }
     }
 }
@@ -153,21 +167,23 @@ static uint32_t write_node(writer *w, uint32_t root) {
         return 0;
     uint32_t index = w->count++;
     kdr_wide_node *out = &w->out[index];
+    uint32_t place[KDR_WIDE];
+    place_members(w, &o, place);
     for (uint32_t i = 0; i < KDR_WIDE; i++) {
         kdr_box box = i < o.member_count ? w->boxes[o.member[i].node] : kdr_box_empty();
         for (int k = 0; k < 3; k++) {
-            out->face[k][i] = box.lo[k];
-            out->face[3 + k][i] = box.hi[k];
+            out->face[k][place[i]] = box.lo[k];
+            out->face[3 + k][place[i]] = box.hi[k];
         }
-        out->child[i] = KDR_WIDE_LEAF;
+        out->child[place[i]] = KDR_WIDE_LEAF;
     }
-    order_members(&o, out->order);
+    order_members(&o, place, out->order);
     for (uint32_t i = 0; i < o.member_count; i++) {
         bool leaf = o.member[i].area < 0;
         uint32_t child = leaf ? leaf_child(w, o.member[i].node) : write_node(w, o.member[i].node);
         if (!w->out)
             return 0;
-        w->out[index].child[i] = child;
+        w->out[index].child[place[i]] = child;
     }
     return index;
 }

@@ -15,7 +15,8 @@
 #define KDR_WIDE 16
 
 typedef struct kdr_wide_node {
-    /* Faces of the boxes: lower ones on the three axes, then upper ones; an unused place has an empty box. */
+    /* Faces of the boxes: lower ones on the three axes, then upper ones. The largest box has the first place; an unused
+     * place has an empty box. */
     _Alignas(64) float face[6][KDR_WIDE];
     uint32_t child[KDR_WIDE];
     /* The children in the order of each octant of directions, the first lowest, four bits each; unused places come
