@@ -29,13 +29,12 @@ KDR_QUAD_INLINE kdr_quad kdr_quad_max(kdr_quad a, kdr_quad b) {
     return (kdr_quad)(((kdr_quad_i)a & more) | ((kdr_quad_i)b & ~more));
 }
 
-/* Bit k: comparison k holds. */
-KDR_QUAD_INLINE uint32_t kdr_quad_bits(kdr_quad_i comparison) {
+/* Bit k: the sign of number k; of a comparison: it holds. */
+KDR_QUAD_INLINE uint32_t kdr_quad_bits(kdr_quad_i q) {
 #if defined(__SSE__)
-    return (uint32_t)__builtin_ia32_movmskps((kdr_quad)comparison);
+    return (uint32_t)__builtin_ia32_movmskps((kdr_quad)q);
 #else
-    return (uint32_t)(comparison[0] & 1) | (uint32_t)(comparison[1] & 2) | (uint32_t)(comparison[2] & 4) |
-           (uint32_t)(comparison[3] & 8);
+    return (uint32_t)q[0] >> 31 | (uint32_t)q[1] >> 31 << 1 | (uint32_t)q[2] >> 31 << 2 | (uint32_t)q[3] >> 31 << 3;
 #endif
 }
 
