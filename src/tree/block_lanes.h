@@ -136,7 +136,7 @@ static __attribute__((noinline, unused)) bool kdr_block_decide(kdr_block block, 
 }
 
 /* Gives a closest hit that the filter was sure of its exact distance. */
-static __attribute__((noinline, unused)) void kdr_closest_settle(kdr_closest *closest, const kdr_ray_frame *f) {
+KDR_LANES_INLINE void kdr_closest_settle(kdr_closest *closest, const kdr_ray_frame *f) {
     if (!closest->sure)
         return;
     closest->sure = false;
@@ -161,7 +161,7 @@ KDR_LANES_INLINE bool kdr_closest_take(kdr_closest *closest, float from, float t
 }
 
 /* The same for any other. */
-KDR_LANES_INLINE void kdr_closest_decide(kdr_closest *closest, const kdr_ray_frame *f, float tmin, kdr_block block,
+static __attribute__((noinline, unused)) void kdr_closest_decide(kdr_closest *closest, const kdr_ray_frame *f, float tmin, kdr_block block,
                                          size_t place, uint32_t primitive) {
     kdr_triangle_hit hit;
     if (!kdr_block_decide(block, place, f, &hit) || hit.t <= tmin)
