@@ -114,7 +114,7 @@ KDR_LANES_INLINE void kdr_lanes_leave(void) {
 
 /* The first `count` lanes; count may exceed the width. */
 KDR_LANES_INLINE kdr_lane_bits kdr_lanes_first(uint32_t count) {
-    return count >= KDR_LANES ? KDR_LANE_BITS_ALL : (kdr_lane_bits)((1u << count) - 1);
+    return (kdr_lane_bits)((1u << (count < KDR_LANES ? count : KDR_LANES)) - 1);
 }
 
 KDR_LANES_INLINE float kdr_lanes_least(kdr_lanes_f v) {
