@@ -31,7 +31,7 @@ KDR_LANES_INLINE void kdr_closest_begin(kdr_closest *closest, float tmax) {
 
 /* Lanes as the edge functions of the sheared triangles left them. */
 typedef struct kdr_block_edges {
-    kdr_lanes_f edge[3], z[3]; /* z: along the axis of the shear, as seen from the origin */
+    kdr_lanes_f edge[3], z[3]; /* z: of the origin, along the axis of the shear, from the corner */
     kdr_lanes_f least, most;   /* of the three */
     kdr_lanes_f bound;         /* at least the error of each */
 } kdr_block_edges;
@@ -54,16 +54,16 @@ KDR_LANES_INLINE kdr_block_rows kdr_block_rows_of(kdr_block block, const kdr_ray
 /* Lanes from `first` on whose triangle the ray's line is not proven to miss. */
 KDR_LANES_INLINE kdr_lane_bits kdr_block_meet(const kdr_block_rows *rows, const kdr_ray_frame *f, size_t first,
                                               kdr_block_edges *e) {
-    /* Shear the vertices, as seen from the origin. */
+    /* Shear the vertices, as the origin is seen from them: so that what is loaded is what is taken away. */
     kdr_lanes_f shear_x = kdr_lanes_all(f->shear_x), shear_y = kdr_lanes_all(f->shear_y);
     kdr_lanes_f origin_x = kdr_lanes_all(f->origin_along[0]), origin_y = kdr_lanes_all(f->origin_along[1]);
     kdr_lanes_f origin_z = kdr_lanes_all(f->origin_along[2]);
     kdr_lanes_f x[3], y[3], size[3];
     for (size_t i = 0; i < 3; i++) {
         size_t at = first + i * rows->corner;
-        e->z[i] = kdr_lanes_load(rows->z + at) - origin_z;
-        x[i] = kdr_lanes_less_product(kdr_lanes_load(rows->x + at) - origin_x, shear_x, e->z[i]);
-        y[i] = kdr_lanes_less_product(kdr_lanes_load(rows->y + at) - origin_y, shear_y, e->z[i]);
+        e->z[i] = origin_z - kdr_lanes_load(rows->z + at);
+        x[i] = kdr_lanes_less_product(origin_x - kdr_lanes_load(rows->x + at), shear_x, e->z[i]);
+        y[i] = kdr_lanes_less_product(origin_y - kdr_lanes_load(rows->y + at), shear_y, e->z[i]);
         size[i] = kdr_lanes_larger(x[i], y[i]);
     }
 
@@ -103,7 +103,7 @@ KDR_LANES_INLINE kdr_block_span kdr_block_span_of(const kdr_block_edges *e, cons
     kdr_lanes_f den = (e->edge[0] + e->edge[1]) + e->edge[2], inverse = kdr_lanes_reciprocal(den);
     kdr_lanes_f z[3];
     for (int i = 0; i < 3; i++)
-        z[i] = e->z[i] * f->scale_z;
+        z[i] = e->z[i] * -f->scale_z;
     kdr_lanes_f num = kdr_lanes_add_product(e->edge[0] * z[0] + e->edge[1] * z[1], e->edge[2], z[2]);
     kdr_lanes_f extent =
         kdr_lanes_max(kdr_lanes_max(z[0], z[1]), z[2]) - kdr_lanes_min(kdr_lanes_min(z[0], z[1]), z[2]);
@@ -161,8 +161,9 @@ KDR_LANES_INLINE bool kdr_closest_take(kdr_closest *closest, float from, float t
 }
 
 /* The same for any other. */
-static __attribute__((noinline, unused)) void kdr_closest_decide(kdr_closest *closest, const kdr_ray_frame *f, float tmin, kdr_block block,
-                                         size_t place, uint32_t primitive) {
+static __attribute__((noinline, unused)) void kdr_closest_decide(kdr_closest *closest, const kdr_ray_frame *f,
+                                                                 float tmin, kdr_block block, size_t place,
+                                                                 uint32_t primitive) {
     kdr_triangle_hit hit;
     if (!kdr_block_decide(block, place, f, &hit) || hit.t <= tmin)
         return;
