@@ -45,9 +45,9 @@ static inline bool kdr_ray_is_valid(const kdr_ray *ray) {
  * sure in floats. */
 #define KDR_RAY_FRAME_LARGEST 0x1p40f
 
-/* The ray must be valid. */
+/* The ray must be valid. reciprocal: 1 / direction, right on the longest axis at least. */
 static inline __attribute__((always_inline)) void kdr_ray_frame_set(kdr_ray_frame *f, const kdr_ray *ray,
-                                                                    const kdr_box *bounds) {
+                                                                    const float reciprocal[3], const kdr_box *bounds) {
     kdr_quad origin = kdr_quad_load(ray), direction = kdr_quad_load((const char *)ray + offsetof(kdr_ray, direction_x));
     kdr_quad_store(f->origin, origin);
     kdr_quad_store(f->direction, direction);
@@ -57,7 +57,7 @@ static inline __attribute__((always_inline)) void kdr_ray_frame_set(kdr_ray_fram
     f->axis_z = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);
     f->axis_x = f->axis_z == 2 ? 0 : f->axis_z + 1;
     f->axis_y = f->axis_x == 2 ? 0 : f->axis_x + 1;
-    f->scale_z = 1 / f->direction[f->axis_z];
+    f->scale_z = reciprocal[f->axis_z];
     f->shear_x = f->direction[f->axis_x] * f->scale_z;
     f->shear_y = f->direction[f->axis_y] * f->scale_z;
 

@@ -52,7 +52,7 @@ static inline __attribute__((always_inline)) bool search(const kdr_tree *tree, c
     bool holds;
     if (!float_begin(&r, ray, &entry->box, &holds) && holds)
         return false;
-    kdr_ray_frame_set(f, ray, &tree->bounds);
+    kdr_ray_frame_set(f, ray, r.reciprocal, &tree->bounds);
     if (__builtin_expect(!holds, 0))
         return walk_in_double(tree, entry, ray, f, any, closest);
     return float_walk(tree, entry->node, &r, f, ray->tmin, ray->tmax, any, closest);

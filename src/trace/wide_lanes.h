@@ -155,7 +155,7 @@ KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const wide_ray *r, kdr
         if (child != KDR_WIDE_NOTHING) {
             if (!framed) {
                 framed = true;
-                kdr_ray_frame_set(f, ray, &tree->bounds);
+                kdr_ray_frame_set(f, ray, r->reciprocal, &tree->bounds);
             }
             kdr_block block = kdr_wide_block(tree, child);
             if (any && kdr_block_any(block, f, tmin, end))
