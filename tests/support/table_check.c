@@ -1,0 +1,127 @@
+#include "support/table_check.h"
+
+#include "scene/scene.h"
+#include "support/random.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static kdr_ray plain_ray(const float at[6]) {
+    return (kdr_ray){.origin_x = at[0],
+                     .origin_y = at[1],
+                     .origin_z = at[2],
+                     .direction_x = at[3] - at[0],
+                     .direction_y = at[4] - at[1],
+                     .direction_z = at[5] - at[2],
+                     .tmax = INFINITY};
+}
+
+/* Every other ray is of a kind that traversals treat apart: along an axis or nearly so, from far away, with an
+ * interval, behind the origin, short, long. */
+static kdr_ray random_ray(test_random *random, uint32_t kind) {
+    float at[6];
+    for (int k = 0; k < 6; k++)
+        at[k] = test_random_between(random, -1.5f, 1.5f);
+    kdr_ray ray = plain_ray(at);
+    float *direction = &ray.direction_x;
+    switch (kind % 16) {
+    case 1: direction[kind / 16 % 3] = 0; break;
+    case 3: direction[kind / 16 % 3] = direction[(kind / 16 + 1) % 3] = -0.0f; break;
+    case 5: direction[kind / 16 % 3] *= 0x1p-70f; break;
+    case 7:
+        at[kind / 16 % 3] *= 0x1p30f;
+        ray = plain_ray(at);
+        break;
+    case 9:
+        ray.tmin = 0.4f;
+        ray.tmax = 0.8f;
+        break;
+    case 11: ray.tmin = -1; break;
+    case 13:
+    case 15:
+        for (int k = 0; k < 3; k++)
+            direction[k] *= kind % 16 == 13 ? 0x1p-50f : 0x1p70f;
+        break;
+    default: break;
+    }
+    return ray;
+}
+
+static bool same(bool hit, const kdr_found *found, bool expected_hit, const kdr_found *expected) {
+    return hit == expected_hit && (!hit || memcmp(found, expected, sizeof *found) == 0);
+}
+
+/* Answers of a table for one ray, against those of the scalar stack. */
+static bool differs(const kdr_tree *tree, const kdr_traversals *table, const kdr_ray *ray, bool *hit) {
+    const kdr_traversals *scalar = kdr_traversals_for(KDR_ISA_SCALAR);
+    kdr_entry root = kdr_entry_root(tree);
+    kdr_found expected = {0}, stack = {0}, single = {0};
+    *hit = scalar->stack_closest(tree, &root, ray, &expected);
+    return !same(table->stack_closest(tree, &root, ray, &stack), &stack, *hit, &expected) ||
+           !same(table->single_closest(tree, ray, &single), &single, *hit, &expected) ||
+           table->stack_any(tree, &root, ray) != *hit || table->single_any(tree, ray) != *hit;
+}
+
+static void check_build(kdr_device *device, const kdr_triangles_def *triangles, const kdr_build_def *build,
+                        uint32_t rays, uint32_t longest_leaf, table_check *out) {
+    test_random random = test_random_start(test_random_seed(), 78);
+    const kdr_traversals *table = kdr_traversals_for(kdr_device_isa(device));
+    kdr_scene *scene = NULL;
+    kdr_tree_stats stats = {0};
+    bool made = kdr_scene_create(device, &scene) == KDR_OK &&
+                kdr_scene_add_triangles(scene, triangles, NULL) == KDR_OK && kdr_scene_commit(scene, build) == KDR_OK &&
+                kdr_scene_stats(scene, &stats) == KDR_OK;
+    out->builds++;
+    if (!made || (scene->tree.wide != NULL) != table->wants_wide || stats.largest_leaf < longest_leaf) {
+        out->unsound++;
+        kdr_scene_destroy(scene);
+        return;
+    }
+    for (uint32_t i = 0; i < rays; i++) {
+        kdr_ray ray = random_ray(&random, i);
+        bool hit;
+        out->differences += differs(&scene->tree, table, &ray, &hit);
+        out->hits += hit;
+        out->rays++;
+    }
+    kdr_scene_destroy(scene);
+}
+
+table_check table_check_run(kdr_isa isa, size_t triangles, uint32_t rays) {
+    table_check out = {0};
+    kdr_device_def device_def = kdr_default_device_def();
+    device_def.isa_limit = isa;
+    device_def.worker_count = 1;
+    kdr_device *device = NULL;
+    float *corners = malloc(triangles * 9 * sizeof *corners);
+    if (!corners || kdr_device_create(&device_def, &device) != KDR_OK || kdr_device_isa(device) != isa) {
+        kdr_device_destroy(device);
+        free(corners);
+        return out;
+    }
+    test_random random = test_random_start(test_random_seed(), 77);
+    for (size_t i = 0; i < triangles; i++) {
+        float centre[3];
+        for (int k = 0; k < 3; k++)
+            centre[k] = test_random_between(&random, -1, 1);
+        for (int k = 0; k < 9; k++)
+            corners[9 * i + k] = centre[k % 3] + test_random_between(&random, -0.2f, 0.2f);
+    }
+    kdr_triangles_def def = kdr_default_triangles_def();
+    def.vertices = corners;
+    def.vertex_count = 3 * triangles;
+    def.triangle_count = (uint32_t)triangles;
+
+    /* Leaves as the default has them, small ones, and leaves too long for the word of a wide node's child. */
+    kdr_build_def build = kdr_default_build_def();
+    check_build(device, &def, &build, rays, 1, &out);
+    build.cost_traversal = 0.1f;
+    check_build(device, &def, &build, rays, 1, &out);
+    build.cost_traversal = 60;
+    build.leaf_limit = 200;
+    check_build(device, &def, &build, rays, 61, &out);
+    kdr_device_destroy(device);
+    free(corners);
+    return out;
+}
