@@ -177,9 +177,10 @@ static bool measure_mesh(bench_run *run, const char *path, const kdr_mesh *mesh)
         return false;
     }
     if (!run->silent) {
-        printf("%s: %zu triangles, %ux%u pixels, %u threads, %s, medians of %u rounds\n\n", scene.name,
-               mesh->triangle_count, scene.width, scene.height, run->info.threads, kdr_isa_name(run->info.isa),
-               request->bench.rounds);
+        printf("%s: %zu triangle%s, %ux%u pixels, %u thread%s, %s, medians of %u round%s\n\n", scene.name,
+               mesh->triangle_count, mesh->triangle_count == 1 ? "" : "s", scene.width, scene.height, run->info.threads,
+               run->info.threads == 1 ? "" : "s", kdr_isa_name(run->info.isa), request->bench.rounds,
+               request->bench.rounds == 1 ? "" : "s");
         kdr_bench_print(stdout, rows, count);
         fflush(stdout);
     }

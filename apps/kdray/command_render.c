@@ -185,9 +185,10 @@ static void print_summary(const rendering *work) {
     double rays = (double)stats->primary_rays + (double)stats->shadow_rays;
     double speed = stats->trace_seconds > 0 ? rays / stats->trace_seconds * 1e-6 : 0;
     fprintf(stderr,
-            "%zu triangles, %" PRIu32 "x%" PRIu32 " pixels: load %.1f ms, build %.1f ms, trace %.1f ms, %.2f Mray/s\n",
-            work->mesh->triangle_count, work->picture.width, work->picture.height, 1e3 * work->load_seconds,
-            1e3 * stats->build_seconds, 1e3 * stats->trace_seconds, speed);
+            "%zu triangle%s, %" PRIu32 "x%" PRIu32 " pixels: load %.1f ms, build %.1f ms, trace %.1f ms, %.2f Mray/s\n",
+            work->mesh->triangle_count, work->mesh->triangle_count == 1 ? "" : "s", work->picture.width,
+            work->picture.height, 1e3 * work->load_seconds, 1e3 * stats->build_seconds, 1e3 * stats->trace_seconds,
+            speed);
 }
 
 static void print_stats(FILE *file, const rendering *work) {
