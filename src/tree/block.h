@@ -44,10 +44,14 @@ static inline kdr_block kdr_block_of(const float *blocks, kdr_node leaf) {
     return kdr_block_at(blocks, kdr_node_first(leaf), kdr_block_groups(kdr_node_count(leaf)));
 }
 
+/* Primitives are stored with this bit turned, which as floats makes them numbers of common size or NaN: a vector that
+ * reaches past row 8 reads them, and arithmetic with the smallest floats costs a hundred cycles on many machines. */
+#define KDR_BLOCK_PRIMITIVE_BIT 0x40000000u
+
 static inline uint32_t kdr_block_primitive(kdr_block block, size_t i) {
-    uint32_t primitive;
-    memcpy(&primitive, block.rows + 9 * block.length + i, sizeof primitive);
-    return primitive;
+    uint32_t stored;
+    memcpy(&stored, block.rows + 9 * block.length + i, sizeof stored);
+    return stored ^ KDR_BLOCK_PRIMITIVE_BIT;
 }
 
 /* Vertices of triangle i of a block. */
@@ -63,6 +67,7 @@ static inline void kdr_block_set(float *blocks, kdr_node leaf, uint32_t i, const
     float *at = blocks + (size_t)kdr_node_first(leaf) * (KDR_BLOCK_GROUP_BYTES / sizeof(float)) + i;
     for (uint32_t row = 0; row < 9; row++)
         at[row * length] = vertices[row / 3][row % 3];
+    primitive ^= KDR_BLOCK_PRIMITIVE_BIT;
     memcpy(&at[9 * length], &primitive, sizeof primitive);
 }
 
