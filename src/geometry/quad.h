@@ -29,6 +29,12 @@ KDR_QUAD_INLINE kdr_quad kdr_quad_max(kdr_quad a, kdr_quad b) {
     return (kdr_quad)(((kdr_quad_i)a & more) | ((kdr_quad_i)b & ~more));
 }
 
+/* The largest of the first three. */
+KDR_QUAD_INLINE float kdr_quad_most(kdr_quad q) {
+    float most = q[0] > q[1] ? q[0] : q[1];
+    return q[2] > most ? q[2] : most;
+}
+
 /* Bit k: the sign of number k; of a comparison: it holds. */
 KDR_QUAD_INLINE uint32_t kdr_quad_bits(kdr_quad_i q) {
 #if defined(__SSE__)

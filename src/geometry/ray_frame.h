@@ -30,6 +30,13 @@ KDR_QUAD_INLINE kdr_quad kdr_quad_hi(const kdr_box *box) {
     return __builtin_shufflevector(q, q, 1, 2, 3, 3);
 }
 
+/* A ray's origin and direction in registers; the fourth number has no meaning. */
+KDR_QUAD_INLINE kdr_quad kdr_quad_origin(const kdr_ray *ray) { return kdr_quad_load(ray); }
+
+KDR_QUAD_INLINE kdr_quad kdr_quad_direction(const kdr_ray *ray) {
+    return kdr_quad_load((const char *)ray + offsetof(kdr_ray, direction_x));
+}
+
 /* False if the ray can hit nothing: a component is NaN or an infinite origin or direction, the direction is zero,
  * or tmin >= tmax. */
 static inline bool kdr_ray_is_valid(const kdr_ray *ray) {
@@ -48,7 +55,7 @@ static inline bool kdr_ray_is_valid(const kdr_ray *ray) {
 /* The ray must be valid. reciprocal: 1 / direction, right on the longest axis at least. */
 static inline __attribute__((always_inline)) void kdr_ray_frame_set(kdr_ray_frame *f, const kdr_ray *ray,
                                                                     const float reciprocal[3], const kdr_box *bounds) {
-    kdr_quad origin = kdr_quad_load(ray), direction = kdr_quad_load((const char *)ray + offsetof(kdr_ray, direction_x));
+    kdr_quad origin = kdr_quad_origin(ray), direction = kdr_quad_direction(ray);
     kdr_quad_store(f->origin, origin);
     kdr_quad_store(f->direction, direction);
 
@@ -70,10 +77,7 @@ static inline __attribute__((always_inline)) void kdr_ray_frame_set(kdr_ray_fram
      * coordinates up to s is off by at most 4 e s + 2 e^2, and its products add less than as much again: 64 2^-24 m s
      * leaves an eighth unused. */
     kdr_quad lo = kdr_quad_lo(bounds), hi = kdr_quad_hi(bounds);
-    float m[4];
-    kdr_quad_store(m, kdr_quad_max(kdr_quad_abs(lo - origin), kdr_quad_abs(hi - origin)));
-    float m01 = m[0] > m[1] ? m[0] : m[1];
-    float largest = m01 > m[2] ? m01 : m[2];
+    float largest = kdr_quad_most(kdr_quad_max(kdr_quad_abs(lo - origin), kdr_quad_abs(hi - origin)));
     bool in_range = largest <= KDR_RAY_FRAME_LARGEST && largest * fabsf(f->scale_z) <= KDR_RAY_FRAME_LARGEST;
     f->doubt = in_range ? 64 * 0x1p-24f * largest : INFINITY;
     f->doubt_least = 0x1p-4f * f->doubt * f->doubt + 0x1p-126f;

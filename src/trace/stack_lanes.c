@@ -101,7 +101,7 @@ static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *
     kdr_ray_frame f;
     kdr_closest closest;
     kdr_closest_begin(&closest, ray->tmax);
-    bool hit = kdr_wide_walk(tree, &r, &f, ray, ray->tmin, ray->tmax, false, &closest);
+    bool hit = kdr_wide_walk(tree, ray, &r, false, &f, &closest);
     if (hit)
         report(&closest, &f, found);
     return leave(hit);
@@ -115,7 +115,7 @@ static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
     }
     KDR_LANES_KEEP_IN_MEMORY(r);
     kdr_ray_frame f;
-    return leave(kdr_wide_walk(tree, &r, &f, ray, ray->tmin, ray->tmax, true, NULL));
+    return leave(kdr_wide_walk(tree, ray, &r, true, &f, NULL));
 }
 
 extern const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals);

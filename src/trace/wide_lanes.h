@@ -1,8 +1,8 @@
 /* One ray through the wide tree: sixteen tight boxes a step, KDR_LANES at a time, then leaves of SIMD blocks.
  *
  * Children that the ray meets go on a stack in the order of the ray's octant, which is front to back, so nothing is
- * sorted by distance and a hit ends the search of all that begins behind it. On sixteen lanes no branch depends on how
- * many are met.
+ * sorted by distance and a hit ends the search of all that begins behind it. For any hit they go in the order of their
+ * places, the largest box first. On sixteen lanes no branch depends on how many are met.
  *
  * Invariant: a box is left out only if the ray misses it. A distance is plane * reciprocal - origin * reciprocal, with
  * room for its roundings put into the second term: see wide_begin. A box encloses all that its cell shows, so whatever
@@ -34,7 +34,7 @@ static const size_t wide_faces[8][6] = {{0, 1, 2, 3, 4, 5}, {3, 1, 2, 0, 4, 5}, 
  * that reach the origin's side of a plane still get distances of at most 0 and at least 2^42 (|o| + B), which is more
  * than any in the scene, since the longest axis has a direction of 2^-40 at least. */
 KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray, const kdr_tree *tree) {
-    kdr_quad origin = kdr_quad_load(ray), direction = kdr_quad_load((const char *)ray + offsetof(kdr_ray, direction_x));
+    kdr_quad origin = kdr_quad_origin(ray), direction = kdr_quad_direction(ray);
     kdr_quad size = kdr_quad_abs(direction), least = kdr_quad_all(0x1p-63f);
     kdr_quad_i usual = (kdr_quad_abs(origin) <= KDR_WIDE_LARGEST) & (size <= 0x1p60f);
     bool fits = (kdr_quad_bits(usual) & 7) == 7 && (kdr_quad_bits(size >= 0x1p-40f) & 7) != 0;
@@ -44,11 +44,8 @@ KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray, const kdr_tree
     kdr_quad reciprocal = (kdr_quad)((kdr_quad_i)size_reciprocal | sign);
     kdr_quad reach = kdr_quad_abs(origin) +
                      kdr_quad_max(kdr_quad_abs(kdr_quad_lo(&tree->bounds)), kdr_quad_abs(kdr_quad_hi(&tree->bounds)));
-    if (__builtin_expect((kdr_quad_bits(size < least) & 7) != 0, 0)) {
-        float farthest = reach[0] > reach[1] ? reach[0] : reach[1];
-        farthest = reach[2] > farthest ? reach[2] : farthest;
-        reach = kdr_quad_all(farthest);
-    }
+    if (__builtin_expect((kdr_quad_bits(size < least) & 7) != 0, 0))
+        reach = kdr_quad_all(kdr_quad_most(reach));
     kdr_quad slack = reach * size_reciprocal * 0x1p-21f + 0x1p-120f, start = origin * reciprocal;
     kdr_quad_store(r->reciprocal, reciprocal);
     kdr_quad_store(r->near, -start - slack);
@@ -139,9 +136,10 @@ KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r
 
 #endif
 
-/* `end`: the ray's tmax. */
-KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const wide_ray *r, kdr_ray_frame *f, const kdr_ray *ray,
-                                    float tmin, float end, const bool any, kdr_closest *closest) {
+/* r: the ray as wide_begin has made it. *f is set where a leaf is met. */
+KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const kdr_ray *ray, const wide_ray *r, const bool any,
+                                    kdr_ray_frame *f, kdr_closest *closest) {
+    const float tmin = ray->tmin, end = ray->tmax;
     wide_stack stack;
     stack.top = 0;
     bool framed = false;

@@ -4,7 +4,8 @@
  * that the ray meets or nearly meets. Where it is sure of a hit, it says so, and between which distances; only hits
  * that it is not sure of, or cannot tell apart, are decided exactly on the way, and the closest at the end. So a hit
  * never depends on the width of lanes. Source of the filter: S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle
- * Intersection", 2013. Cost: about 50 vector operations a step, and 100 flops for each triangle that passes. */
+ * Intersection", 2013. Cost: about 35 vector operations a step, as many more where something passes, and some 70
+ * operations for the closest hit and each exact decision. */
 #ifndef KDR_TREE_BLOCK_LANES_H
 #define KDR_TREE_BLOCK_LANES_H
 

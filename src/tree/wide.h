@@ -5,7 +5,7 @@
  * The box of a member is the union over its leaves of (triangle's box, cut to the leaf's cell): what the cell shows to
  * a ray, without its empty space.
  *
- * An annex made from the finished tree. It shares the leaves, adds about 4 bytes a triangle, and holds nothing that the
+ * An annex made from the finished tree. It shares the leaves, adds about 7 bytes a triangle, and holds nothing that the
  * tree does not say. 512 bytes a node. */
 #ifndef KDR_TREE_WIDE_H
 #define KDR_TREE_WIDE_H
