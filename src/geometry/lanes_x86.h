@@ -10,6 +10,14 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) { retur
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) { return _mm512_max_ps(a, b); }
 
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_sooner(kdr_lanes_f a, kdr_lanes_f b) {
+    return (kdr_lanes_f)_mm512_min_epi32((__m512i)a, (__m512i)b);
+}
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_later(kdr_lanes_f a, kdr_lanes_f b) {
+    return (kdr_lanes_f)_mm512_max_epi32((__m512i)a, (__m512i)b);
+}
+
 KDR_LANES_INLINE kdr_lane_bits kdr_lanes_less(kdr_lanes_f a, kdr_lanes_f b) {
     return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ);
 }
@@ -44,12 +52,11 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_permute(kdr_lanes_f v, kdr_lanes_u order)
     return _mm512_permutexvar_ps((__m512i)order, v);
 }
 
-/* Sixteen numbers of four bits, the lowest first, in the low bits of each lane; what is above them has no meaning. */
-KDR_LANES_INLINE kdr_lanes_u kdr_lanes_nibbles(const uint32_t words[2]) {
-    const __m512i shift = _mm512_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28, 0, 4, 8, 12, 16, 20, 24, 28);
-    __m512i low = _mm512_set1_epi32((int)words[0]);
-    __m512i both = _mm512_mask_set1_epi32(low, 0xff00, (int)words[1]);
-    return (kdr_lanes_u)_mm512_srlv_epi32(both, shift);
+/* Sixteen numbers of four bits in the low bits of each lane; what is above them has no meaning. Even ones come from the
+ * lower half of the word, odd ones from the upper, the first lowest. */
+KDR_LANES_INLINE kdr_lanes_u kdr_lanes_nibbles(const uint64_t *word) {
+    const __m512i shift = _mm512_setr_epi32(0, 0, 4, 4, 8, 8, 12, 12, 16, 16, 20, 20, 24, 24, 28, 28);
+    return (kdr_lanes_u)_mm512_srlv_epi32(_mm512_set1_epi64((long long)*word), shift);
 }
 
 #elif KDR_LANES == 8
@@ -57,6 +64,14 @@ KDR_LANES_INLINE kdr_lanes_u kdr_lanes_nibbles(const uint32_t words[2]) {
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) { return _mm256_min_ps(a, b); }
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) { return _mm256_max_ps(a, b); }
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_sooner(kdr_lanes_f a, kdr_lanes_f b) {
+    return (kdr_lanes_f)_mm256_min_epi32((__m256i)a, (__m256i)b);
+}
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_later(kdr_lanes_f a, kdr_lanes_f b) {
+    return (kdr_lanes_f)_mm256_max_epi32((__m256i)a, (__m256i)b);
+}
 
 KDR_LANES_INLINE kdr_lane_bits kdr_lanes_less(kdr_lanes_f a, kdr_lanes_f b) {
     return (kdr_lane_bits)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LT_OQ));
@@ -94,6 +109,14 @@ KDR_LANES_INLINE void kdr_lanes_compress(float *to, kdr_lane_bits bits, kdr_lane
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_min(kdr_lanes_f a, kdr_lanes_f b) { return _mm_min_ps(a, b); }
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) { return _mm_max_ps(a, b); }
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_sooner(kdr_lanes_f a, kdr_lanes_f b) {
+    return (kdr_lanes_f)_mm_min_epi32((__m128i)a, (__m128i)b);
+}
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_later(kdr_lanes_f a, kdr_lanes_f b) {
+    return (kdr_lanes_f)_mm_max_epi32((__m128i)a, (__m128i)b);
+}
 
 KDR_LANES_INLINE kdr_lane_bits kdr_lanes_less(kdr_lanes_f a, kdr_lanes_f b) {
     return (kdr_lane_bits)_mm_movemask_ps(_mm_cmplt_ps(a, b));

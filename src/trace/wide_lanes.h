@@ -17,12 +17,25 @@
 typedef struct wide_ray {
     float reciprocal[4];
     float near[4], far[4]; /* added to plane * reciprocal: a distance not too large, and one not too small */
-    uint32_t octant;       /* bit k: runs down axis k */
+    const struct wide_places *places;
 } wide_ray;
 
-/* Faces of a node where rays of an octant enter on each axis, and where they leave. */
-static const size_t wide_faces[8][6] = {{0, 1, 2, 3, 4, 5}, {3, 1, 2, 0, 4, 5}, {0, 4, 2, 3, 1, 5}, {3, 4, 2, 0, 1, 5},
-                                        {0, 1, 5, 3, 4, 2}, {3, 1, 5, 0, 4, 2}, {0, 4, 5, 3, 1, 2}, {3, 4, 5, 0, 1, 2}};
+/* Where in a node rays of an octant find what is theirs, in bytes: faces where they enter on each axis, faces where they
+ * leave, the order of the children. */
+typedef struct wide_places {
+    size_t near[3], far[3], order;
+} wide_places;
+
+#define WIDE_FACE(k, upper) (offsetof(kdr_wide_node, face) + (2 * (k) + (upper)) * sizeof(float[KDR_WIDE]))
+#define WIDE_ORDER(octant) (offsetof(kdr_wide_node, order) + (octant) * sizeof(uint64_t))
+#define WIDE_PLACES(octant, x, y, z)                                                                                   \
+    {{WIDE_FACE(0, x), WIDE_FACE(1, y), WIDE_FACE(2, z)},                                                              \
+     {WIDE_FACE(0, !(x)), WIDE_FACE(1, !(y)), WIDE_FACE(2, !(z))},                                                     \
+     WIDE_ORDER(octant)}
+
+static const wide_places wide_places_of[8] = {WIDE_PLACES(0, 0, 0, 0), WIDE_PLACES(1, 1, 0, 0), WIDE_PLACES(2, 0, 1, 0),
+                                              WIDE_PLACES(3, 1, 1, 0), WIDE_PLACES(4, 0, 0, 1), WIDE_PLACES(5, 1, 0, 1),
+                                              WIDE_PLACES(6, 0, 1, 1), WIDE_PLACES(7, 1, 1, 1)};
 
 /* False if the ray is not valid or not of the usual kind: sizes out of range, tmin < 0.
  *
@@ -50,7 +63,7 @@ KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray, const kdr_tree
     kdr_quad_store(r->reciprocal, reciprocal);
     kdr_quad_store(r->near, -start - slack);
     kdr_quad_store(r->far, slack - start);
-    r->octant = kdr_quad_bits(sign) & 7;
+    r->places = &wide_places_of[kdr_quad_bits(sign) & 7];
     return fits && ray->tmin >= 0 && ray->tmin < ray->tmax;
 }
 
@@ -67,16 +80,16 @@ typedef struct wide_stack {
 /* Where the ray enters and leaves KDR_LANES boxes of a node from place i on, within [tmin, tmax]. */
 KDR_LANES_INLINE void wide_meet(const kdr_wide_node *node, const wide_ray *r, uint32_t i, float tmin, float tmax,
                                 kdr_lanes_f *enter, kdr_lanes_f *leave) {
-    const size_t *faces = wide_faces[r->octant];
+    const char *at = (const char *)node;
     kdr_lanes_f sooner[3], later[3];
     for (int k = 0; k < 3; k++) {
-        const float *near = node->face[faces[k]], *far = node->face[faces[3 + k]];
+        const float *near = (const float *)(at + r->places->near[k]), *far = (const float *)(at + r->places->far[k]);
         kdr_lanes_f reciprocal = kdr_lanes_all(r->reciprocal[k]);
         sooner[k] = kdr_lanes_add_product(kdr_lanes_all(r->near[k]), kdr_lanes_load(near + i), reciprocal);
         later[k] = kdr_lanes_add_product(kdr_lanes_all(r->far[k]), kdr_lanes_load(far + i), reciprocal);
     }
-    *enter = kdr_lanes_max(kdr_lanes_max(sooner[0], sooner[1]), kdr_lanes_max(sooner[2], kdr_lanes_all(tmin)));
-    *leave = kdr_lanes_min(kdr_lanes_min(later[0], later[1]), kdr_lanes_min(later[2], kdr_lanes_all(tmax)));
+    *enter = kdr_lanes_later(kdr_lanes_later(sooner[0], sooner[1]), kdr_lanes_later(sooner[2], kdr_lanes_all(tmin)));
+    *leave = kdr_lanes_sooner(kdr_lanes_sooner(later[0], later[1]), kdr_lanes_sooner(later[2], kdr_lanes_all(tmax)));
 }
 
 #if KDR_LANES == KDR_WIDE
@@ -89,7 +102,7 @@ KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r
     wide_meet(node, r, 0, tmin, tmax, &enter, &leave);
     kdr_lanes_u child = kdr_lanes_load_u(node->child);
     if (!any) {
-        kdr_lanes_u order = kdr_lanes_nibbles(node->order[r->octant]);
+        kdr_lanes_u order = kdr_lanes_nibbles((const uint64_t *)((const char *)node + r->places->order));
         enter = kdr_lanes_permute(enter, order);
         leave = kdr_lanes_permute(leave, order);
         child = (kdr_lanes_u)kdr_lanes_permute((kdr_lanes_f)child, order);
@@ -123,9 +136,9 @@ KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r
     }
     if (met == 0)
         return KDR_WIDE_NOTHING;
-    const uint32_t *order = node->order[r->octant];
+    uint64_t order = *(const uint64_t *)((const char *)node + r->places->order);
     for (uint32_t i = KDR_WIDE; i-- > 0;) {
-        uint32_t place = any ? i : order[i / 8] >> 4 * (i % 8) & 15;
+        uint32_t place = any ? i : order >> KDR_WIDE_ORDER_SHIFT(i) & 15;
         stack->enter[top] = enters[place];
         stack->child[top] = node->child[place];
         top += met >> place & 1;

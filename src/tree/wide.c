@@ -126,14 +126,14 @@ static void place_members(const writer *w, const opening *o, uint32_t place[KDR_
 }
 
 /* Writes the members' places in the order of their ranks; unused places fill up the word. */
-static void order_members(const opening *o, const uint32_t place[KDR_WIDE], uint32_t order[8][2]) {
+static void order_members(const opening *o, const uint32_t place[KDR_WIDE], uint64_t order[8]) {
     uint32_t rank[KDR_WIDE];
     rank_members(o, 0, 0, rank);
     for (uint32_t octant = 0; octant < 8; octant++) {
-        order[octant][0] = order[octant][1] = 0;
+        order[octant] = 0;
         for (uint32_t i = 0; i < KDR_WIDE; i++) {
             uint32_t at = i < o->member_count ? rank[i] >> 4 * octant & 15 : i;
-            order[octant][at / 8] |= place[i] << 4 * (at % 8);
+            order[octant] |= (uint64_t)place[i] << KDR_WIDE_ORDER_SHIFT(at);
         }
     }
 }
@@ -172,8 +172,8 @@ static uint32_t write_node(writer *w, uint32_t root) {
     for (uint32_t i = 0; i < KDR_WIDE; i++) {
         kdr_box box = i < o.member_count ? w->boxes[o.member[i].node] : kdr_box_empty();
         for (int k = 0; k < 3; k++) {
-            out->face[k][place[i]] = box.lo[k];
-            out->face[3 + k][place[i]] = box.hi[k];
+            out->face[2 * k][place[i]] = box.lo[k];
+            out->face[2 * k + 1][place[i]] = box.hi[k];
         }
         out->child[place[i]] = KDR_WIDE_LEAF;
     }

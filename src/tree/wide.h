@@ -15,14 +15,17 @@
 #define KDR_WIDE 16
 
 typedef struct kdr_wide_node {
-    /* Faces of the boxes: lower ones on the three axes, then upper ones. The largest box has the first place; an unused
+    /* Faces of the boxes: on each axis the lower ones, then the upper ones. The largest box has the first place; an unused
      * place has an empty box. */
     _Alignas(64) float face[6][KDR_WIDE];
     uint32_t child[KDR_WIDE];
-    /* The children in the order of each octant of directions, the first lowest, four bits each; unused places come
-     * last. Octant bit k: the ray runs down axis k. */
-    uint32_t order[8][2];
+    /* The children in the order of each octant of directions, four bits each; unused places come last. Octant bit k: the ray runs down axis k. */
+    uint64_t order[8];
 } kdr_wide_node;
+
+/* Where the i-th child's four bits are: even ones in the lower half of the word, odd ones in the upper, so that the
+ * word in every pair of lanes needs one shift. */
+#define KDR_WIDE_ORDER_SHIFT(i) ((i) % 2 * 32 + (i) / 2 * 4)
 
 /* A child is a wide node, a block, or, where a block is too long or lies too far, a leaf of the tree. */
 #define KDR_WIDE_LEAF 0x80000000u
