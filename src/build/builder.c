@@ -144,8 +144,12 @@ static void start_over(kdr_workshop *shop) {
 kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, const kdr_input *input,
                      const kdr_plan *plan, kdr_tree *tree, kdr_input_counts *counts) {
     KDR_CHECK(crew->worker_count <= shop->worker_count);
-    kdr_build_state state = {
-        .shop = shop, .crew = crew, .kernels = kdr_build_kernels_for(isa), .input = input, .plan = *plan};
+    kdr_build_state state = {.shop = shop,
+                             .crew = crew,
+                             .kernels = kdr_build_kernels_for(isa),
+                             .unsplit = kdr_unsplit_for(isa),
+                             .input = input,
+                             .plan = *plan};
     *counts = (kdr_input_counts){0};
     if (input->count > KDR_NODE_MAX_INDEX)
         return KDR_ERROR_LIMIT;

@@ -21,7 +21,8 @@ typedef struct filling {
     const kdr_build_state *state;
     const leaf_job *jobs;
     float *blocks;
-    kdr_box *boxes; /* a node; NULL: not wanted */
+    kdr_shown *shown; /* a node; NULL: not wanted */
+    uint8_t *whole;   /* a primitive */
 } filling;
 
 static void fill_range(void *context, size_t begin, size_t end, uint32_t worker) {
@@ -31,13 +32,22 @@ static void fill_range(void *context, size_t begin, size_t end, uint32_t worker)
     for (size_t i = begin; i < end; i++) {
         const leaf_job *job = &f->jobs[i];
         input->fill(input->context, f->blocks, job->leaf, kdr_growing_ids(f->state->shop, job->ids));
-        if (f->boxes)
-            f->boxes[job->node] = kdr_block_box(f->blocks, job->leaf, &job->cell);
+        if (f->shown)
+            f->state->unsplit->claim(f->blocks, job->leaf, &job->cell, f->whole, &f->shown[job->node]);
+    }
+}
+
+static void sort_range(void *context, size_t begin, size_t end, uint32_t worker) {
+    (void)worker;
+    const filling *f = context;
+    for (size_t i = begin; i < end; i++) {
+        const leaf_job *job = &f->jobs[i];
+        f->state->unsplit->sort(f->blocks, job->leaf, &job->cell, f->whole, &f->shown[job->node]);
     }
 }
 
 /* Numbers the nodes anew and writes them; returns the number of leaves with a block. */
-static uint64_t number_nodes(const kdr_workshop *shop, kdr_tree *tree, leaf_job *jobs, kdr_box *boxes) {
+static uint64_t number_nodes(const kdr_workshop *shop, kdr_tree *tree, leaf_job *jobs, kdr_shown *shown) {
     struct {
         uint32_t from, to;
         kdr_box cell;
@@ -59,8 +69,8 @@ static uint64_t number_nodes(const kdr_workshop *shop, kdr_tree *tree, leaf_job 
             group += kdr_block_groups(count);
             if (count > 0)
                 jobs[job_count++] = (leaf_job){tree->nodes[to], kdr_node_first(node), to, cell};
-            else if (boxes)
-                boxes[to] = kdr_box_empty();
+            else if (shown)
+                shown[to] = (kdr_shown){.box = kdr_box_empty()};
             continue;
         }
         uint32_t axis = kdr_node_axis(node);
@@ -87,17 +97,24 @@ kdr_status kdr_build_layout(kdr_build_state *state, kdr_tree *tree) {
     }
     if (interiors >= KDR_NODE_MAX_INDEX || groups > KDR_NODE_MAX_INDEX)
         return KDR_ERROR_LIMIT;
-    size_t box_bytes = state->plan.wide ? (2 + 2 * interiors) * sizeof(kdr_box) : 0;
-    if (!kdr_buffer_reserve(shop->alloc, &shop->layout, leaves * sizeof(leaf_job) + box_bytes) ||
+    size_t job_bytes = leaves * sizeof(leaf_job), shown_bytes = (2 + 2 * interiors) * sizeof(kdr_shown);
+    size_t wide_bytes = state->plan.wide ? shown_bytes + state->input->count : 0;
+    if (!kdr_buffer_reserve(shop->alloc, &shop->layout, job_bytes + wide_bytes) ||
         !kdr_tree_reserve(tree, shop->bulk, (uint32_t)(2 + 2 * interiors), (uint32_t)groups))
         return KDR_ERROR_OUT_OF_MEMORY;
 
     leaf_job *jobs = shop->layout.memory;
-    kdr_box *boxes = state->plan.wide ? (kdr_box *)(jobs + leaves) : NULL;
-    uint64_t job_count = number_nodes(shop, tree, jobs, boxes);
-    filling f = {state, jobs, tree->blocks, boxes};
+    filling f = {.state = state, .jobs = jobs, .blocks = tree->blocks};
+    if (state->plan.wide) {
+        f.shown = (kdr_shown *)(jobs + leaves);
+        f.whole = (uint8_t *)f.shown + shown_bytes;
+        memset(f.whole, 0, state->input->count);
+    }
+    uint64_t job_count = number_nodes(shop, tree, jobs, f.shown);
     kdr_parallel_for(state->crew, job_count, FILL_GRAIN, fill_range, &f);
-    if (boxes && !kdr_tree_add_wide(tree, shop->bulk, boxes)) {
+    if (f.shown)
+        kdr_parallel_for(state->crew, job_count, FILL_GRAIN, sort_range, &f);
+    if (f.shown && !kdr_tree_add_wide(tree, shop->bulk, f.shown)) {
         kdr_tree_release(tree, shop->bulk);
         return KDR_ERROR_OUT_OF_MEMORY;
     }

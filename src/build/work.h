@@ -7,6 +7,7 @@
 #include "build/builder.h"
 #include "build/chunks.h"
 #include "build/kernels.h"
+#include "tree/unsplit.h"
 
 #define KDR_PAIRS_PER_CHUNK 16384
 #define KDR_IDS_PER_CHUNK 65536
@@ -49,6 +50,7 @@ typedef struct kdr_build_state {
     kdr_workshop *shop;
     const kdr_crew *crew;
     const kdr_build_kernels *kernels;
+    const kdr_unsplit *unsplit;
     const kdr_input *input;
     kdr_plan plan;
     _Atomic int status; /* the first failure; workers stop when it is not KDR_OK */

@@ -118,12 +118,16 @@ KDR_LANES_INLINE kdr_lane_bits kdr_lanes_first(uint32_t count) {
 }
 
 KDR_LANES_INLINE float kdr_lanes_least(kdr_lanes_f v) {
+#if defined(__AVX512F__) && KDR_LANES == 16
+    return _mm512_reduce_min_ps(v);
+#else
     float x[KDR_LANES];
     kdr_lanes_store(x, v);
-    float least = x[0];
-    for (int i = 1; i < KDR_LANES; i++)
-        least = x[i] < least ? x[i] : least;
-    return least;
+    for (int half = KDR_LANES / 2; half > 0; half /= 2)
+        for (int i = 0; i < half; i++)
+            x[i] = x[i + half] < x[i] ? x[i + half] : x[i];
+    return x[0];
+#endif
 }
 
 KDR_LANES_INLINE float kdr_lanes_most(kdr_lanes_f v) { return -kdr_lanes_least(-v); }

@@ -13,8 +13,8 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_max(kdr_lanes_f a, kdr_lanes_f b) {
     return (kdr_lanes_f)(((kdr_lanes_i)a & more) | ((kdr_lanes_i)b & ~more));
 }
 
-/* The same for distances of which one is at least 0 for kdr_lanes_later, and for kdr_lanes_sooner but that of two below 0
- * it may be either: compared as integers, which is several times as fast on many machines. */
+/* The same for distances of which one is at least 0 for kdr_lanes_later, and for kdr_lanes_sooner but that of two below
+ * 0 it may be either: compared as integers, which is several times as fast on many machines. */
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_sooner(kdr_lanes_f a, kdr_lanes_f b) {
     kdr_lanes_i less = (kdr_lanes_i)a < (kdr_lanes_i)b;
     return (kdr_lanes_f)(((kdr_lanes_i)a & less) | ((kdr_lanes_i)b & ~less));

@@ -20,8 +20,8 @@ typedef struct wide_ray {
     const struct wide_places *places;
 } wide_ray;
 
-/* Where in a node rays of an octant find what is theirs, in bytes: faces where they enter on each axis, faces where they
- * leave, the order of the children. */
+/* Where in a node rays of an octant find what is theirs, in bytes: faces where they enter on each axis, faces where
+ * they leave, the order of the children. */
 typedef struct wide_places {
     size_t near[3], far[3], order;
 } wide_places;
@@ -29,9 +29,10 @@ typedef struct wide_places {
 #define WIDE_FACE(k, upper) (offsetof(kdr_wide_node, face) + (2 * (k) + (upper)) * sizeof(float[KDR_WIDE]))
 #define WIDE_ORDER(octant) (offsetof(kdr_wide_node, order) + (octant) * sizeof(uint64_t))
 #define WIDE_PLACES(octant, x, y, z)                                                                                   \
-    {{WIDE_FACE(0, x), WIDE_FACE(1, y), WIDE_FACE(2, z)},                                                              \
-     {WIDE_FACE(0, !(x)), WIDE_FACE(1, !(y)), WIDE_FACE(2, !(z))},                                                     \
-     WIDE_ORDER(octant)}
+    {                                                                                                                  \
+        {WIDE_FACE(0, x), WIDE_FACE(1, y), WIDE_FACE(2, z)},                                                           \
+            {WIDE_FACE(0, !(x)), WIDE_FACE(1, !(y)), WIDE_FACE(2, !(z))}, WIDE_ORDER(octant)                           \
+    }
 
 static const wide_places wide_places_of[8] = {WIDE_PLACES(0, 0, 0, 0), WIDE_PLACES(1, 1, 0, 0), WIDE_PLACES(2, 0, 1, 0),
                                               WIDE_PLACES(3, 1, 1, 0), WIDE_PLACES(4, 0, 0, 1), WIDE_PLACES(5, 1, 0, 1),

@@ -33,15 +33,22 @@ static inline uint32_t kdr_block_groups(uint32_t count) {
 typedef struct kdr_block {
     const float *rows;
     size_t length; /* of a row: a multiple of 4 */
+    size_t shown;  /* triangles to ask, the first ones: a multiple of 4 */
 } kdr_block;
 
-static inline kdr_block kdr_block_at(const float *blocks, uint32_t first, uint32_t groups) {
+/* shown: groups to ask of the block's. */
+static inline kdr_block kdr_block_at(const float *blocks, uint32_t first, uint32_t groups, uint32_t shown) {
     return (kdr_block){blocks + (size_t)first * (KDR_BLOCK_GROUP_BYTES / sizeof(float)),
-                       (size_t)groups * KDR_BLOCK_GROUP};
+                       (size_t)groups * KDR_BLOCK_GROUP, (size_t)shown * KDR_BLOCK_GROUP};
 }
 
 static inline kdr_block kdr_block_of(const float *blocks, kdr_node leaf) {
-    return kdr_block_at(blocks, kdr_node_first(leaf), kdr_block_groups(kdr_node_count(leaf)));
+    uint32_t groups = kdr_block_groups(kdr_node_count(leaf));
+    return kdr_block_at(blocks, kdr_node_first(leaf), groups, groups);
+}
+
+static inline float *kdr_block_start(float *blocks, kdr_node leaf) {
+    return blocks + (size_t)kdr_node_first(leaf) * (KDR_BLOCK_GROUP_BYTES / sizeof(float));
 }
 
 /* Primitives are stored with this bit turned, which as floats makes them numbers of common size or NaN: a vector that
@@ -64,7 +71,7 @@ static inline void kdr_block_triangle(kdr_block block, size_t i, float vertices[
 static inline void kdr_block_set(float *blocks, kdr_node leaf, uint32_t i, const float vertices[3][3],
                                  uint32_t primitive) {
     size_t length = (size_t)kdr_block_groups(kdr_node_count(leaf)) * KDR_BLOCK_GROUP;
-    float *at = blocks + (size_t)kdr_node_first(leaf) * (KDR_BLOCK_GROUP_BYTES / sizeof(float)) + i;
+    float *at = kdr_block_start(blocks, leaf) + i;
     for (uint32_t row = 0; row < 9; row++)
         at[row * length] = vertices[row / 3][row % 3];
     primitive ^= KDR_BLOCK_PRIMITIVE_BIT;
@@ -78,27 +85,6 @@ static inline void kdr_block_pad(float *blocks, kdr_node leaf) {
     kdr_block_triangle(kdr_block_of(blocks, leaf), count - 1, last);
     for (uint32_t i = count; i < length; i++)
         kdr_block_set(blocks, leaf, i, (const float(*)[3])last, UINT32_MAX);
-}
-
-/* The union of the leaf's triangles' boxes, each cut to the leaf's cell: what a ray can meet in that cell. */
-static inline kdr_box kdr_block_box(const float *blocks, kdr_node leaf, const kdr_box *cell) {
-    uint32_t count = kdr_node_count(leaf);
-    kdr_block block = kdr_block_of(blocks, leaf);
-    kdr_box box = kdr_box_empty();
-    for (uint32_t k = 0; k < 3; k++) {
-        const float *a = block.rows + k * block.length, *b = a + 3 * block.length, *c = b + 3 * block.length;
-        float least = INFINITY, most = -INFINITY;
-        for (uint32_t i = 0; i < count; i++) {
-            float lo = a[i] < b[i] ? a[i] : b[i], hi = a[i] < b[i] ? b[i] : a[i];
-            lo = c[i] < lo ? c[i] : lo;
-            hi = c[i] > hi ? c[i] : hi;
-            least = lo < least ? lo : least;
-            most = hi > most ? hi : most;
-        }
-        box.lo[k] = least > cell->lo[k] ? least : cell->lo[k];
-        box.hi[k] = most < cell->hi[k] ? most : cell->hi[k];
-    }
-    return box;
 }
 
 #endif

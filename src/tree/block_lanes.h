@@ -41,7 +41,7 @@ typedef struct kdr_block_edges {
  * `corner` floats later. */
 typedef struct kdr_block_rows {
     const float *x, *y, *z;
-    size_t corner, length;
+    size_t corner, shown;
 } kdr_block_rows;
 
 KDR_LANES_INLINE kdr_block_rows kdr_block_rows_of(kdr_block block, const kdr_ray_frame *f) {
@@ -49,7 +49,7 @@ KDR_LANES_INLINE kdr_block_rows kdr_block_rows_of(kdr_block block, const kdr_ray
                             .y = block.rows + f->axis_y * block.length,
                             .z = block.rows + f->axis_z * block.length,
                             .corner = 3 * block.length,
-                            .length = block.length};
+                            .shown = block.shown};
 }
 
 /* Lanes from `first` on whose triangle the ray's line is not proven to miss. */
@@ -80,7 +80,7 @@ KDR_LANES_INLINE kdr_lane_bits kdr_block_meet(const kdr_block_rows *rows, const 
     e->least = kdr_lanes_min(kdr_lanes_min(e->edge[0], e->edge[1]), e->edge[2]);
     e->most = kdr_lanes_max(kdr_lanes_max(e->edge[0], e->edge[1]), e->edge[2]);
     kdr_lane_bits missed = kdr_lanes_less(e->least, -e->bound) & kdr_lanes_less(e->bound, e->most);
-    return ~missed & kdr_lanes_first((uint32_t)(rows->length - first));
+    return ~missed & kdr_lanes_first((uint32_t)(rows->shown - first));
 }
 
 /* Lanes whose triangle it surely meets. */
@@ -179,7 +179,7 @@ static __attribute__((noinline, unused)) void kdr_closest_decide(kdr_closest *cl
 /* Makes *closest the closest of itself and the block's hits beyond tmin; of equal distances the lowest primitive. */
 KDR_LANES_INLINE void kdr_block_closest(kdr_block block, const kdr_ray_frame *f, float tmin, kdr_closest *closest) {
     kdr_block_rows rows = kdr_block_rows_of(block, f);
-    for (size_t first = 0; first < block.length; first += KDR_LANES) {
+    for (size_t first = 0; first < block.shown; first += KDR_LANES) {
         kdr_block_edges e;
         kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e);
         if (__builtin_expect(left == 0, 1))
@@ -202,7 +202,7 @@ KDR_LANES_INLINE void kdr_block_closest(kdr_block block, const kdr_ray_frame *f,
 /* True if the block has a hit in (tmin, tmax]. Where the filter is sure of one, nothing else is asked. */
 KDR_LANES_INLINE bool kdr_block_any(kdr_block block, const kdr_ray_frame *f, float tmin, float tmax) {
     kdr_block_rows rows = kdr_block_rows_of(block, f);
-    for (size_t first = 0; first < block.length; first += KDR_LANES) {
+    for (size_t first = 0; first < block.shown; first += KDR_LANES) {
         kdr_block_edges e;
         kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e);
         if (__builtin_expect(left == 0, 1))

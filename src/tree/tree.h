@@ -29,7 +29,7 @@ bool kdr_tree_reserve(kdr_tree *tree, kdr_bulk *bulk, uint32_t node_count, uint3
 /* Memory goes back to the bulk it came from, where the next tree finds it. */
 void kdr_tree_release(kdr_tree *tree, kdr_bulk *bulk);
 
-/* Equal for equal trees, however they lie in memory: planes, and the primitives of each leaf in order. */
+/* Equal for equal trees, however they lie in memory: planes, and the primitives of each leaf. */
 uint64_t kdr_tree_hash(const kdr_tree *tree);
 
 /* Counts nodes, leaves, depths, references and cost; fills all of *out but build_seconds. */

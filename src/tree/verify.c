@@ -1,12 +1,13 @@
 #include "tree/verify.h"
 
+#include "tree/unsplit.h"
 #include "tree/walk.h"
 
 #include <math.h>
 
 /* Invariants
  *   every plane lies within its cell; axes, indices and blocks are in range; no path is longer than the depth limit
- *   a leaf's primitives are in ascending order, and each one's box meets the leaf's cell
+ *   a leaf's primitives are in ascending order, or in two runs of it (unsplit.h), and each one's box meets its cell
  *   a primitive is in every leaf whose cell's inside its box meets; one that lies flat in a split plane may be on
  * either side of it, but is on one every primitive of the tree is in some leaf: their number is that of the tree */
 typedef struct verifying {
@@ -30,16 +31,20 @@ static kdr_box triangle_box(const kdr_tree *tree, kdr_node leaf, uint32_t i) {
     return box;
 }
 
+/* Looks at all of a small leaf, whose primitives may be two runs in ascending order; searches a large one. */
 static bool leaf_holds(const kdr_tree *tree, kdr_node leaf, uint32_t primitive) {
     uint32_t lo = 0, hi = kdr_node_count(leaf);
-    while (lo < hi) {
+    kdr_block block = kdr_block_of(tree->blocks, leaf);
+    while (hi > KDR_UNSPLIT_LIMIT && lo < hi) {
         uint32_t middle = lo + (hi - lo) / 2;
-        if (kdr_block_primitive(kdr_block_of(tree->blocks, leaf), middle) < primitive)
+        if (kdr_block_primitive(block, middle) < primitive)
             lo = middle + 1;
         else
             hi = middle;
     }
-    return lo < kdr_node_count(leaf) && kdr_block_primitive(kdr_block_of(tree->blocks, leaf), lo) == primitive;
+    while (lo < hi && kdr_block_primitive(block, lo) != primitive)
+        lo++;
+    return lo < kdr_node_count(leaf) && kdr_block_primitive(block, lo) == primitive;
 }
 
 /* True if the primitive is wherever it must be below this node. *first becomes the first leaf that holds it. */
@@ -68,9 +73,10 @@ static bool verify_leaf(const kdr_tree *tree, const kdr_walk *at, verifying *v) 
     uint32_t count = kdr_node_count(node);
     if (count > 0 && (uint64_t)kdr_node_first(node) + kdr_block_groups(count) > tree->group_count)
         return fail(v, "a leaf's block lies outside the blocks");
+    int runs = count <= KDR_UNSPLIT_LIMIT ? 2 : 1;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t primitive = kdr_block_primitive(kdr_block_of(tree->blocks, node), i);
-        if (i > 0 && primitive <= kdr_block_primitive(kdr_block_of(tree->blocks, node), i - 1))
+        if (i > 0 && primitive <= kdr_block_primitive(kdr_block_of(tree->blocks, node), i - 1) && --runs == 0)
             return fail(v, "the primitives of a leaf are not in ascending order");
         kdr_box box = triangle_box(tree, node, i);
         for (int k = 0; k < 3; k++)

@@ -22,7 +22,7 @@ typedef struct opening {
 
 typedef struct writer {
     const kdr_tree *tree;
-    const kdr_box *boxes;
+    const kdr_shown *shown;
     kdr_bulk *bulk;
     kdr_wide_node *out; /* grows; NULL: memory ran out */
     uint32_t count, capacity;
@@ -31,7 +31,7 @@ typedef struct writer {
 static void put_member(const writer *w, opening *o, uint32_t place, uint32_t node, uint32_t parent, uint32_t which) {
     bool leaf = kdr_node_is_leaf(w->tree->nodes[node]);
     o->member[place].node = node;
-    o->member[place].area = leaf ? -1 : (float)kdr_box_area(&w->boxes[node]);
+    o->member[place].area = leaf ? -1 : (float)kdr_box_area(&w->shown[node].box);
     o->member[place].parent = parent;
     o->member[place].which = which;
     if (parent != NOTHING)
@@ -40,7 +40,7 @@ static void put_member(const writer *w, opening *o, uint32_t place, uint32_t nod
 
 static bool holds_nothing(const writer *w, uint32_t node) {
     kdr_node word = w->tree->nodes[node];
-    return kdr_node_is_leaf(word) && kdr_node_count(word) == 0;
+    return kdr_node_is_leaf(word) && w->shown[node].groups == 0;
 }
 
 /* Replaces a member by its two children; an empty leaf takes no place. */
@@ -115,7 +115,7 @@ static void rank_members(const opening *o, uint32_t at, uint32_t before, uint32_
 static void place_members(const writer *w, const opening *o, uint32_t place[KDR_WIDE]) {
     double area[KDR_WIDE];
     for (uint32_t i = 0; i < KDR_WIDE; i++) {
-        area[i] = i < o->member_count ? kdr_box_area(&w->boxes[o->member[i].node]) : -1;
+        area[i] = i < o->member_count ? kdr_box_area(&w->shown[o->member[i].node].box) : -1;
         place[i] = i;
         for (uint32_t j = 0; j < i; j++) {
             bool after = area[j] >= area[i];
@@ -141,9 +141,9 @@ static void order_members(const opening *o, const uint32_t place[KDR_WIDE], uint
 static uint32_t leaf_child(const writer *w, uint32_t node) {
     uint32_t first = kdr_node_first(w->tree->nodes[node]),
              groups = kdr_block_groups(kdr_node_count(w->tree->nodes[node]));
-    if (groups > KDR_WIDE_MAX_GROUPS || first > KDR_WIDE_MAX_INDEX)
+    if (groups > KDR_WIDE_MAX_GROUPS || first > KDR_WIDE_MAX_BLOCK)
         return KDR_WIDE_LEAF | node << KDR_WIDE_GROUP_BITS;
-    return KDR_WIDE_LEAF | first << KDR_WIDE_GROUP_BITS | groups;
+    return KDR_WIDE_LEAF | first << 2 * KDR_WIDE_GROUP_BITS | groups << KDR_WIDE_GROUP_BITS | w->shown[node].groups;
 }
 
 /* Moves the nodes written so far into memory for `capacity`. */
@@ -170,7 +170,7 @@ static uint32_t write_node(writer *w, uint32_t root) {
     uint32_t place[KDR_WIDE];
     place_members(w, &o, place);
     for (uint32_t i = 0; i < KDR_WIDE; i++) {
-        kdr_box box = i < o.member_count ? w->boxes[o.member[i].node] : kdr_box_empty();
+        kdr_box box = i < o.member_count ? w->shown[o.member[i].node].box : kdr_box_empty();
         for (int k = 0; k < 3; k++) {
             out->face[2 * k][place[i]] = box.lo[k];
             out->face[2 * k + 1][place[i]] = box.hi[k];
@@ -189,28 +189,28 @@ static uint32_t write_node(writer *w, uint32_t root) {
 }
 
 /* Boxes of interior nodes from those of their children, which have higher numbers. */
-static void join_boxes(const kdr_tree *tree, kdr_box *boxes) {
+static void join_boxes(const kdr_tree *tree, kdr_shown *shown) {
     for (uint32_t i = tree->node_count; i-- > 0;) {
         kdr_node node = tree->nodes[i];
         if (kdr_node_is_leaf(node))
             continue;
-        boxes[i] = boxes[kdr_node_child(node)];
-        kdr_box_add(&boxes[i], &boxes[kdr_node_child(node) + 1]);
+        shown[i].box = shown[kdr_node_child(node)].box;
+        kdr_box_add(&shown[i].box, &shown[kdr_node_child(node) + 1].box);
     }
 }
 
-bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_box *boxes) {
-    if (kdr_node_is_leaf(tree->nodes[0]) || tree->node_count > KDR_WIDE_MAX_INDEX)
+bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_shown *shown) {
+    if (kdr_node_is_leaf(tree->nodes[0]) || tree->node_count > KDR_WIDE_MAX_LEAF)
         return true;
     for (int k = 0; k < 3; k++) {
         if (tree->bounds.lo[k] < -KDR_WIDE_LARGEST || tree->bounds.hi[k] > KDR_WIDE_LARGEST)
             return true;
     }
-    join_boxes(tree, boxes);
+    join_boxes(tree, shown);
 
     /* A node opens up to 15 interior ones, and mostly does. */
     uint32_t interiors = (tree->node_count - 2) / 2;
-    writer w = {.tree = tree, .boxes = boxes, .bulk = bulk};
+    writer w = {.tree = tree, .shown = shown, .bulk = bulk};
     change_capacity(&w, interiors / 8 + 16);
     if (w.out)
         write_node(&w, 0);

@@ -11,15 +11,17 @@
 #define KDR_TREE_WIDE_H
 
 #include "tree/tree.h"
+#include "tree/unsplit.h"
 
 #define KDR_WIDE 16
 
 typedef struct kdr_wide_node {
-    /* Faces of the boxes: on each axis the lower ones, then the upper ones. The largest box has the first place; an unused
-     * place has an empty box. */
+    /* Faces of the boxes: on each axis the lower ones, then the upper ones. The largest box has the first place; an
+     * unused place has an empty box. */
     _Alignas(64) float face[6][KDR_WIDE];
     uint32_t child[KDR_WIDE];
-    /* The children in the order of each octant of directions, four bits each; unused places come last. Octant bit k: the ray runs down axis k. */
+    /* The children in the order of each octant of directions, four bits each; unused places come last. Octant bit k:
+     * the ray runs down axis k. */
     uint64_t order[8];
 } kdr_wide_node;
 
@@ -31,23 +33,24 @@ typedef struct kdr_wide_node {
 #define KDR_WIDE_LEAF 0x80000000u
 #define KDR_WIDE_GROUP_BITS 4
 #define KDR_WIDE_MAX_GROUPS ((1u << KDR_WIDE_GROUP_BITS) - 1)
-#define KDR_WIDE_MAX_INDEX ((1u << (31 - KDR_WIDE_GROUP_BITS)) - 2)
+#define KDR_WIDE_MAX_BLOCK ((1u << (31 - 2 * KDR_WIDE_GROUP_BITS)) - 2)
+#define KDR_WIDE_MAX_LEAF ((1u << (31 - KDR_WIDE_GROUP_BITS)) - 2)
 #define KDR_WIDE_NOTHING UINT32_MAX /* no child has this value */
 
 /* The block of a child that is a leaf. */
 static inline kdr_block kdr_wide_block(const kdr_tree *tree, uint32_t child) {
-    uint32_t groups = child & KDR_WIDE_MAX_GROUPS, index = (child & ~KDR_WIDE_LEAF) >> KDR_WIDE_GROUP_BITS;
-    if (__builtin_expect(groups == 0, 0))
+    uint32_t shown = child & KDR_WIDE_MAX_GROUPS, index = (child & ~KDR_WIDE_LEAF) >> KDR_WIDE_GROUP_BITS;
+    if (__builtin_expect(shown == 0, 0))
         return kdr_block_of(tree->blocks, tree->nodes[index]);
-    return kdr_block_at(tree->blocks, index, groups);
+    return kdr_block_at(tree->blocks, index >> KDR_WIDE_GROUP_BITS, index & KDR_WIDE_MAX_GROUPS, shown);
 }
 
 /* Coordinates beyond this have no wide tree: distances in it must not overflow. */
 #define KDR_WIDE_LARGEST 0x1p36f
 
-/* Makes the wide nodes. boxes has one entry a node: for leaf i its tight box; those of interior nodes are written here.
+/* Makes the wide nodes. shown has one entry a node: for leaf i what it shows; those of interior nodes are written here.
  * No wide nodes are made for a tree whose root is a leaf, that has more than 2^27 nodes, or whose coordinates are too
  * large. False when there is no memory. */
-bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_box *boxes);
+bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_shown *shown);
 
 #endif
