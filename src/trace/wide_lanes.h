@@ -56,8 +56,7 @@ KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray, const kdr_tree
     kdr_quad_i sign = (kdr_quad_i)direction & INT32_MIN;
     kdr_quad size_reciprocal = 1 / kdr_quad_max(size, least);
     kdr_quad reciprocal = (kdr_quad)((kdr_quad_i)size_reciprocal | sign);
-    kdr_quad reach = kdr_quad_abs(origin) +
-                     kdr_quad_max(kdr_quad_abs(kdr_quad_lo(&tree->bounds)), kdr_quad_abs(kdr_quad_hi(&tree->bounds)));
+    kdr_quad reach = kdr_quad_abs(origin) + kdr_quad_load(tree->reach);
     if (__builtin_expect((kdr_quad_bits(size < least) & 7) != 0, 0))
         reach = kdr_quad_all(kdr_quad_most(reach));
     kdr_quad slack = reach * size_reciprocal * 0x1p-21f + 0x1p-120f, start = origin * reciprocal;

@@ -17,6 +17,7 @@ typedef struct kdr_tree {
     float cost_traversal, cost_intersection;
     uint32_t depth_limit;
     struct kdr_wide_node *wide; /* see wide.h; NULL: not asked for, or the root is a leaf */
+    float reach[4];             /* largest coordinate on each axis, and 0; set with `wide` */
     size_t node_bytes, block_bytes, wide_bytes;
 } kdr_tree;
 

@@ -203,7 +203,8 @@ bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_shown *shown) {
     if (kdr_node_is_leaf(tree->nodes[0]) || tree->node_count > KDR_WIDE_MAX_LEAF)
         return true;
     for (int k = 0; k < 3; k++) {
-        if (tree->bounds.lo[k] < -KDR_WIDE_LARGEST || tree->bounds.hi[k] > KDR_WIDE_LARGEST)
+        tree->reach[k] = fmaxf(fabsf(tree->bounds.lo[k]), fabsf(tree->bounds.hi[k]));
+        if (tree->reach[k] > KDR_WIDE_LARGEST)
             return true;
     }
     join_boxes(tree, shown);
