@@ -18,6 +18,7 @@ typedef struct wide_ray {
     float reciprocal[4];
     float near[4], far[4]; /* added to plane * reciprocal: a distance not too large, and one not too small */
     const struct wide_places *places;
+    float tmin;
 } wide_ray;
 
 /* Where in a node rays of an octant find what is theirs, in bytes: faces where they enter on each axis, faces where
@@ -63,6 +64,7 @@ KDR_LANES_INLINE bool wide_begin(wide_ray *r, const kdr_ray *ray, const kdr_tree
     kdr_quad_store(r->reciprocal, reciprocal);
     kdr_quad_store(r->near, -start - slack);
     kdr_quad_store(r->far, slack - start);
+    r->tmin = ray->tmin;
     r->places = &wide_places_of[kdr_quad_bits(sign) & 7];
     return fits && ray->tmin >= 0 && ray->tmin < ray->tmax;
 }
@@ -78,7 +80,7 @@ typedef struct wide_stack {
 } wide_stack;
 
 /* Where the ray enters and leaves KDR_LANES boxes of a node from place i on, within [tmin, tmax]. */
-KDR_LANES_INLINE void wide_meet(const kdr_wide_node *node, const wide_ray *r, uint32_t i, float tmin, float tmax,
+KDR_LANES_INLINE void wide_meet(const kdr_wide_node *node, const wide_ray *r, uint32_t i, float tmax,
                                 kdr_lanes_f *enter, kdr_lanes_f *leave) {
     const char *at = (const char *)node;
     kdr_lanes_f sooner[3], later[3];
@@ -88,7 +90,7 @@ KDR_LANES_INLINE void wide_meet(const kdr_wide_node *node, const wide_ray *r, ui
         sooner[k] = kdr_lanes_add_product(kdr_lanes_all(r->near[k]), kdr_lanes_load(near + i), reciprocal);
         later[k] = kdr_lanes_add_product(kdr_lanes_all(r->far[k]), kdr_lanes_load(far + i), reciprocal);
     }
-    *enter = kdr_lanes_later(kdr_lanes_later(sooner[0], sooner[1]), kdr_lanes_later(sooner[2], kdr_lanes_all(tmin)));
+    *enter = kdr_lanes_later(kdr_lanes_later(sooner[0], sooner[1]), kdr_lanes_later(sooner[2], kdr_lanes_all(r->tmin)));
     *leave = kdr_lanes_sooner(kdr_lanes_sooner(later[0], later[1]), kdr_lanes_sooner(later[2], kdr_lanes_all(tmax)));
 }
 
@@ -96,10 +98,10 @@ KDR_LANES_INLINE void wide_meet(const kdr_wide_node *node, const wide_ray *r, ui
 
 /* Opens a node: the first child that the ray meets no later than tmax, or KDR_WIDE_NOTHING; the others go on the stack,
  * the next on top. */
-KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r, float tmin, float tmax,
-                                    const bool any, wide_stack *stack) {
+KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r, float tmax, const bool any,
+                                    wide_stack *stack) {
     kdr_lanes_f enter, leave;
-    wide_meet(node, r, 0, tmin, tmax, &enter, &leave);
+    wide_meet(node, r, 0, tmax, &enter, &leave);
     kdr_lanes_u child = kdr_lanes_load_u(node->child);
     if (!any) {
         kdr_lanes_u order = kdr_lanes_nibbles((const uint64_t *)((const char *)node + r->places->order));
@@ -124,13 +126,13 @@ KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r
 
 #else
 
-KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r, float tmin, float tmax,
-                                    const bool any, wide_stack *stack) {
+KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r, float tmax, const bool any,
+                                    wide_stack *stack) {
     float enters[KDR_WIDE];
     uint32_t met = 0, top = stack->top;
     for (uint32_t i = 0; i < KDR_WIDE; i += KDR_LANES) {
         kdr_lanes_f enter, leave;
-        wide_meet(node, r, i, tmin, tmax, &enter, &leave);
+        wide_meet(node, r, i, tmax, &enter, &leave);
         kdr_lanes_store(enters + i, enter);
         met |= (KDR_LANE_BITS_ALL & ~kdr_lanes_less(leave, enter)) << i;
     }
@@ -160,7 +162,7 @@ KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const kdr_ray *ray, co
     for (;;) {
         /* Go down to a leaf, always to the first child. */
         while (!(child & KDR_WIDE_LEAF))
-            child = wide_open(&tree->wide[child], r, tmin, any ? end : closest->t, any, &stack);
+            child = wide_open(&tree->wide[child], r, any ? end : closest->t, any, &stack);
 
         /* Ask its block. */
         if (child != KDR_WIDE_NOTHING) {
