@@ -35,6 +35,12 @@ KDR_LANES_INLINE kdr_lane_bits kdr_lanes_bits(kdr_lanes_i comparison) {
 
 KDR_LANES_INLINE kdr_lane_bits kdr_lanes_less(kdr_lanes_f a, kdr_lanes_f b) { return kdr_lanes_bits(a < b); }
 
+/* Reads no more than `count` floats, rounded up to 4; lanes beyond have no meaning. */
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_load_first(const float *from, uint32_t count) {
+    (void)count;
+    return kdr_lanes_load(from);
+}
+
 /* a where the bit is set, b elsewhere. */
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_choose(kdr_lane_bits bits, kdr_lanes_f a, kdr_lanes_f b) {
     for (int i = 0; i < KDR_LANES; i++)

@@ -42,6 +42,10 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_packed(kdr_lane_bits bits, kdr_lanes_f v)
     return _mm512_maskz_compress_ps((__mmask16)bits, v);
 }
 
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_load_first(const float *from, uint32_t count) {
+    return _mm512_maskz_loadu_ps((__mmask16)_bzhi_u32(0xffffu, count), from);
+}
+
 /* 0, 1, 2 ... */
 KDR_LANES_INLINE kdr_lanes_u kdr_lanes_count(void) {
     return (kdr_lanes_u)_mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
@@ -87,6 +91,10 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_choose(kdr_lane_bits bits, kdr_lanes_f a,
     return _mm256_blendv_ps(b, a, _mm256_castsi256_ps(kdr_lanes_spread(bits)));
 }
 
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_load_first(const float *from, uint32_t count) {
+    return _mm256_maskload_ps(from, kdr_lanes_spread((1u << (count < 8 ? count : 8)) - 1));
+}
+
 /* Lane numbers of the set bits, packed low: parallel extract of bytes, widened. */
 KDR_LANES_INLINE __m256i kdr_lanes_pack_order(kdr_lane_bits bits) {
     uint64_t bytes = _pdep_u64(bits, 0x0101010101010101u) * 0xffu;
@@ -120,6 +128,11 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_later(kdr_lanes_f a, kdr_lanes_f b) {
 
 KDR_LANES_INLINE kdr_lane_bits kdr_lanes_less(kdr_lanes_f a, kdr_lanes_f b) {
     return (kdr_lane_bits)_mm_movemask_ps(_mm_cmplt_ps(a, b));
+}
+
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_load_first(const float *from, uint32_t count) {
+    (void)count;
+    return _mm_loadu_ps(from);
 }
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_choose(kdr_lane_bits bits, kdr_lanes_f a, kdr_lanes_f b) {

@@ -16,12 +16,14 @@ typedef struct lane_box {
     kdr_lanes_f lo[3], hi[3];
 } lane_box;
 
+/* Never reads another leaf's block: that may be in the making. */
 KDR_LANES_INLINE lane_box boxes_at(kdr_block block, size_t first) {
+    uint32_t left = (uint32_t)(block.length - first);
     lane_box b;
     for (size_t k = 0; k < 3; k++) {
         const float *row = block.rows + k * block.length + first;
-        kdr_lanes_f x = kdr_lanes_load(row), y = kdr_lanes_load(row + 3 * block.length),
-                    z = kdr_lanes_load(row + 6 * block.length);
+        kdr_lanes_f x = kdr_lanes_load_first(row, left), y = kdr_lanes_load_first(row + 3 * block.length, left),
+                    z = kdr_lanes_load_first(row + 6 * block.length, left);
         b.lo[k] = kdr_lanes_min(kdr_lanes_min(x, y), z);
         b.hi[k] = kdr_lanes_max(kdr_lanes_max(x, y), z);
     }
