@@ -51,6 +51,16 @@ KDR_LANES_INLINE kdr_lanes_u kdr_lanes_count(void) {
     return (kdr_lanes_u)_mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 }
 
+/* Lanes that share a bit with `bits`. */
+KDR_LANES_INLINE kdr_lane_bits kdr_lanes_share(kdr_lanes_u v, uint32_t bits) {
+    return _mm512_test_epi32_mask((__m512i)v, _mm512_set1_epi32((int)bits));
+}
+
+/* Lane i is from[at[i]] where its bit is set. */
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_gather(kdr_lane_bits bits, const float *from, kdr_lanes_u at) {
+    return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), (__mmask16)bits, (__m512i)at, from, 4);
+}
+
 /* Lane i is v[order[i] % 16]. */
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_permute(kdr_lanes_f v, kdr_lanes_u order) {
     return _mm512_permutexvar_ps((__m512i)order, v);

@@ -101,7 +101,7 @@ static bool single_closest(const kdr_tree *tree, const kdr_ray *ray, kdr_found *
     kdr_ray_frame f;
     kdr_closest closest;
     kdr_closest_begin(&closest, ray->tmax);
-    bool hit = kdr_wide_walk(tree, ray, &r, false, &f, &closest);
+    bool framed = false, hit = kdr_wide_walk(tree, 0, ray, &r, false, &framed, &f, &closest);
     if (hit)
         report(&closest, &f, found);
     return leave(hit);
@@ -115,7 +115,36 @@ static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
     }
     KDR_LANES_KEEP_IN_MEMORY(r);
     kdr_ray_frame f;
-    return leave(kdr_wide_walk(tree, ray, &r, true, &f, NULL));
+    bool framed = false;
+    return leave(kdr_wide_walk(tree, 0, ray, &r, true, &framed, &f, NULL));
+}
+
+#include "trace/stream_lanes.h"
+
+static void stream_closest(const kdr_tree *tree, const kdr_ray *rays, size_t stride, uint32_t count, kdr_found *found) {
+    stream s;
+    s.tree = tree;
+    stream_begin(&s, rays, stride, count);
+    stream_run(&s, false);
+    for (uint32_t i = 0; i < count; i++) {
+        stream_ray *ray = &s.rays[i];
+        found[i].primitive = UINT32_MAX;
+        if (ray->octant == STREAM_ALONE)
+            single_closest(tree, ray->ray, &found[i]);
+        else if (s.closest[i].primitive != UINT32_MAX)
+            report(&s.closest[i], &s.frames[i], &found[i]);
+    }
+    kdr_lanes_leave();
+}
+
+static void stream_any(const kdr_tree *tree, const kdr_ray *rays, size_t stride, uint32_t count, uint8_t *occluded) {
+    stream s;
+    s.tree = tree;
+    stream_begin(&s, rays, stride, count);
+    stream_run(&s, true);
+    for (uint32_t i = 0; i < count; i++)
+        occluded[i] = s.rays[i].octant == STREAM_ALONE ? single_any(tree, s.rays[i].ray) : s.rays[i].t < s.rays[i].tmin;
+    kdr_lanes_leave();
 }
 
 extern const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals);
@@ -123,4 +152,6 @@ const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals) = {.stack_closest = stack_
                                                          .stack_any = stack_any,
                                                          .wants_wide = KDR_LANES > 1,
                                                          .single_closest = single_closest,
-                                                         .single_any = single_any};
+                                                         .single_any = single_any,
+                                                         .stream_closest = stream_closest,
+                                                         .stream_any = stream_any};

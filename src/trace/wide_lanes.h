@@ -151,14 +151,13 @@ KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r
 
 #endif
 
-/* r: the ray as wide_begin has made it. *f is set where a leaf is met. */
-KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const kdr_ray *ray, const wide_ray *r, const bool any,
-                                    kdr_ray_frame *f, kdr_closest *closest) {
+/* Asks what lies below a child, 0 being the root. r: the ray as wide_begin has made it. *f is set where the first leaf
+ * is met, and *framed then. */
+KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, uint32_t child, const kdr_ray *ray, const wide_ray *r,
+                                    const bool any, bool *framed, kdr_ray_frame *f, kdr_closest *closest) {
     const float tmin = ray->tmin, end = ray->tmax;
     wide_stack stack;
     stack.top = 0;
-    bool framed = false;
-    uint32_t child = 0;
     for (;;) {
         /* Go down to a leaf, always to the first child. */
         while (!(child & KDR_WIDE_LEAF))
@@ -166,8 +165,8 @@ KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, const kdr_ray *ray, co
 
         /* Ask its block. */
         if (child != KDR_WIDE_NOTHING) {
-            if (!framed) {
-                framed = true;
+            if (!*framed) {
+                *framed = true;
                 kdr_ray_frame_set(f, ray, r->reciprocal, &tree->bounds);
             }
             kdr_block block = kdr_wide_block(tree, child);
