@@ -29,6 +29,7 @@
 #undef LARGEST
 #undef STEP
 
+#include "trace/stream_lanes.h"
 #include "trace/wide_lanes.h"
 
 /* A ray outside the range of float intervals: rare, so its code is kept apart. */
@@ -118,8 +119,6 @@ static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
     bool framed = false;
     return leave(kdr_wide_walk(tree, 0, ray, &r, true, &framed, &f, NULL));
 }
-
-#include "trace/stream_lanes.h"
 
 static void stream_closest(const kdr_tree *tree, const kdr_ray *rays, size_t stride, uint32_t count, kdr_found *found) {
     stream s;
