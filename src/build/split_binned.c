@@ -28,9 +28,5 @@ static kdr_split choose(kdr_opening *opening, uint32_t axes) {
                                                   &task->box, &task->cell, &opening->state->plan, axes);
 }
 
-const kdr_splitter kdr_split_binned = {.name = "binned",
-                                       .weighs = true,
-                                       .finish_limit = KDR_MASK_LIMIT,
-                                       .finish = kdr_expand_masked,
-                                       .begin = begin,
-                                       .choose = choose};
+const kdr_splitter kdr_split_binned = {
+    .weighs = true, .finish_limit = KDR_MASK_LIMIT, .finish = kdr_expand_masked, .begin = begin, .choose = choose};

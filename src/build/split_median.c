@@ -145,5 +145,5 @@ static kdr_split choose_space(kdr_opening *opening, uint32_t axes) { return choo
 
 static kdr_split choose_object(kdr_opening *opening, uint32_t axes) { return choose(opening, axes, middle_of_centres); }
 
-const kdr_splitter kdr_split_space = {.name = "space", .choose = choose_space};
-const kdr_splitter kdr_split_object = {.name = "object", .choose = choose_object};
+const kdr_splitter kdr_split_space = {.choose = choose_space};
+const kdr_splitter kdr_split_object = {.choose = choose_object};

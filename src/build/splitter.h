@@ -29,8 +29,6 @@ typedef struct kdr_opening {
 } kdr_opening;
 
 typedef struct kdr_splitter {
-    const char *name;
-
     /* Planes are weighed by the surface area heuristic: a node is a leaf where none pays, and a plane moves to the edge
      * of a gap. Otherwise a node is a leaf at the leaf limit, and planes stay where they are. */
     bool weighs;

@@ -1,6 +1,7 @@
 /* Every splitter with every rule for the axis makes sound trees that answer alike. */
 #include "support/awkward_rays.h"
 #include "support/everywhere.h"
+#include "support/failing_alloc.h"
 #include "support/soup.h"
 #include "support/test_size.h"
 
@@ -263,6 +264,42 @@ static void the_limits_of_leaf_depth_and_references_hold_for_every_plan(void **s
     kdr_device_destroy(device);
 }
 
+static void a_build_without_memory_fails_cleanly_and_the_next_one_makes_the_same_tree(void **state) {
+    (void)state;
+    test_random random = test_random_start(test_random_seed(), 600);
+    soup_scene soup = soup_scene_create_kind(&random, soup_kind_find("small"), 20000);
+    for (int split = 0; split < SPLITS; split++) {
+        // The best axis asks most of a splitter.
+        kdr_build_def def = plan_of(split, 1);
+        uint64_t expected = 0;
+        for (uint64_t n = 0;; n++) {
+            failing_alloc memory;
+            failing_alloc_init(&memory);
+            kdr_device_def device_def = kdr_default_device_def();
+            device_def.worker_count = 1 + (uint32_t)(n % 2);
+            device_def.allocator = failing_alloc_functions(&memory);
+            kdr_device *device;
+            assert_int_equal(kdr_device_create(&device_def, &device), KDR_OK);
+            kdr_scene *scene = committed_scene(device, soup.geometries, SOUP_GEOMETRIES, NULL);
+            kdr_device_trim(device);
+            failing_alloc_fail_nth(&memory, n);
+            kdr_status status = kdr_scene_touch(scene, 0) == KDR_OK ? kdr_scene_commit(scene, &def) : KDR_ERROR_IO;
+            bool failed = memory.failures > 0;
+            assert_int_equal(status, failed ? KDR_ERROR_OUT_OF_MEMORY : KDR_OK);
+            if (n == 0)
+                expected = kdr_scene_hash(scene);
+            assert_int_equal(kdr_scene_commit(scene, &def), KDR_OK);
+            assert_true(kdr_scene_hash(scene) == expected);
+            kdr_scene_destroy(scene);
+            kdr_device_destroy(device);
+            assert_true(failing_alloc_is_clean(&memory));
+            if (n > 0 && !failed)
+                break;
+        }
+    }
+    soup_scene_destroy(&soup);
+}
+
 static void axis_best_is_what_binned_does_and_longest_what_the_medians_do(void **state) {
     (void)state;
     kdr_device *device = device_of(1);
@@ -294,6 +331,7 @@ int main(void) {
         cmocka_unit_test(an_axis_without_a_plane_falls_back_to_another_one),
         cmocka_unit_test(what_no_plane_separates_becomes_a_leaf_at_once),
         cmocka_unit_test(the_limits_of_leaf_depth_and_references_hold_for_every_plan),
+        cmocka_unit_test(a_build_without_memory_fails_cleanly_and_the_next_one_makes_the_same_tree),
         cmocka_unit_test(axis_best_is_what_binned_does_and_longest_what_the_medians_do),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
