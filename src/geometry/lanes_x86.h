@@ -37,6 +37,11 @@ KDR_LANES_INLINE void kdr_lanes_compress_u(uint32_t *to, kdr_lane_bits bits, kdr
     _mm512_mask_storeu_epi32(to, first, _mm512_maskz_compress_epi32((__mmask16)bits, (__m512i)v));
 }
 
+/* Loads the lanes of `bits`, and zeros. Memory of the others is not touched. */
+KDR_LANES_INLINE kdr_lanes_f kdr_lanes_load_some(const float *from, kdr_lane_bits bits) {
+    return _mm512_maskz_loadu_ps((__mmask16)bits, from);
+}
+
 /* The chosen lanes packed low, and zeros. */
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_packed(kdr_lane_bits bits, kdr_lanes_f v) {
     return _mm512_maskz_compress_ps((__mmask16)bits, v);
