@@ -16,9 +16,9 @@ typedef struct lane_box {
     kdr_lanes_f lo[3], hi[3];
 } lane_box;
 
-/* Loads from a row with `left` floats to its end. Vectors of more than two groups could reach over the end of a block
- * of one group into the next, which another thread may be filling. */
-KDR_LANES_INLINE kdr_lanes_f load_row(const float *row, size_t left) {
+/* Loads from one of a block's rows 6 to 8, with `left` floats to its end. Vectors of more than two groups could reach
+ * over the end of a block of one group into the next, which another thread may be filling. */
+KDR_LANES_INLINE kdr_lanes_f load_last(const float *row, size_t left) {
 #if KDR_LANES > 2 * KDR_BLOCK_GROUP
     return kdr_lanes_load_some(row, kdr_lanes_first((uint32_t)left));
 #else
@@ -32,8 +32,8 @@ KDR_LANES_INLINE lane_box boxes_at(kdr_block block, size_t first) {
     size_t left = block.length - first;
     for (size_t k = 0; k < 3; k++) {
         const float *row = block.rows + k * block.length + first;
-        kdr_lanes_f x = load_row(row, left), y = load_row(row + 3 * block.length, left),
-                    z = load_row(row + 6 * block.length, left);
+        kdr_lanes_f x = kdr_lanes_load(row), y = kdr_lanes_load(row + 3 * block.length),
+                    z = load_last(row + 6 * block.length, left);
         b.lo[k] = kdr_lanes_min(kdr_lanes_min(x, y), z);
         b.hi[k] = kdr_lanes_max(kdr_lanes_max(x, y), z);
     }
