@@ -70,6 +70,11 @@ static kdr_build_def take_build_def(source *from) {
         def.depth_limit = take_byte(from) % (KDR_MAX_DEPTH + 1);
     if (flags & 16)
         def.reference_limit = 1 + (float)take_byte(from) / 16;
+    if (flags & 32) {
+        uint8_t rules = take_byte(from);
+        def.split = (kdr_split_rule)(rules % 3);
+        def.axis = (kdr_axis_rule)(rules / 3 % 4);
+    }
     return def;
 }
 

@@ -169,11 +169,9 @@ void kdr_bench_write_csv(FILE *out, const kdr_bench_run_info *info, const kdr_be
     write_machine(out);
     fprintf(out, "# instruction set: %s\n# kdray: %s\n# Embree: %s\n", kdr_isa_name(info->isa), kdr_version(),
             info->embree ? info->embree : "none");
-    fprintf(out,
-            "# build: traversal cost %g, intersection cost %g, leaf limit %" PRIu32 ", depth limit %" PRIu32
-            ", reference limit %g\n",
-            info->build.cost_traversal, info->build.cost_intersection, info->build.leaf_limit, info->build.depth_limit,
-            info->build.reference_limit);
+    char plan[KDR_PLAN_TEXT_SIZE] = "";
+    kdr_build_def_print(&info->build, plan, sizeof plan);
+    fprintf(out, "# plan: %s\n", plan);
     fprintf(out, "# date: %s\n# primary, shadow, ao, diffuse: million rays a second\n", date);
 
     figure figures[FIGURES];

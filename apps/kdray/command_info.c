@@ -9,16 +9,17 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { SCENES = 0x100 };
+enum { SCENES = 0x100, PLANS };
 
 typedef struct info_options {
     const char *file;
-    bool scenes, quiet;
+    bool scenes, plans, quiet;
     kdr_tree_options tree;
 } info_options;
 
 static const struct argp_option option_list[] = {
     {"scenes", SCENES, NULL, 0, "List the built-in scenes", 1},
+    {"plans", PLANS, NULL, 0, "List the keys of a plan with their values and defaults", 1},
     {"quiet", 'q', NULL, 0, "No warnings and no progress", 10},
     {0},
 };
@@ -33,6 +34,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     switch (key) {
     case ARGP_KEY_INIT: state->child_inputs[0] = &options->tree; break;
     case SCENES: options->scenes = true; break;
+    case PLANS: options->plans = true; break;
     case 'q': options->quiet = true; break;
     case ARGP_KEY_ARG:
         if (options->file)
@@ -40,10 +42,13 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
         options->file = text;
         break;
     case ARGP_KEY_END:
-        if (!options->file && !options->scenes)
+        if (!options->file && !options->scenes && !options->plans)
             argp_error(state, "expected a mesh file or builtin:NAME");
-        if (options->file && options->scenes)
-            argp_error(state, "--scenes: expected no mesh file, found \"%.40s\"", options->file);
+        if (options->scenes && options->plans)
+            argp_error(state, "expected --scenes or --plans, found both");
+        if (options->file && (options->scenes || options->plans))
+            argp_error(state, "%s: expected no mesh file, found \"%.40s\"", options->scenes ? "--scenes" : "--plans",
+                       options->file);
         break;
     default: return ARGP_ERR_UNKNOWN;
     }
@@ -54,6 +59,12 @@ static void list_scenes(void) {
     const char *name;
     for (size_t i = 0; (name = kdr_mesh_builtin_name(i)) != NULL; i++)
         printf("%-12s %s\n", name, kdr_mesh_builtin_text(i));
+}
+
+static void list_plans(void) {
+    const char *name;
+    for (size_t i = 0; (name = kdr_build_def_key_name(i)) != NULL; i++)
+        printf("%-18s %s\n", name, kdr_build_def_key_text(i));
 }
 
 /* All that is made on the way; what is not there is NULL. */
@@ -165,6 +176,7 @@ static bool write_json(inspection *work) {
     put_materials(&json, mesh);
     kdr_json_whole(&json, "threads", kdr_device_worker_count(work->device));
     kdr_json_text(&json, "isa", kdr_isa_name(kdr_device_isa(work->device)));
+    kdr_report_plan_json(&json, &work->options->tree.build);
     kdr_json_real(&json, "load_ms", 1e3 * work->load_seconds);
     kdr_json_real(&json, "build_ms", 1e3 * work->stats.build_seconds);
     kdr_report_tree_json(&json, &work->stats);
@@ -191,12 +203,16 @@ int kdr_command_info(int argc, char **argv) {
     const struct argp_child children[] = {{&kdr_tree_argp, 0, NULL, 0}, {0}};
     const struct argp parser = {.options = option_list,
                                 .parser = parse_option,
-                                .args_doc = "FILE\n--scenes",
+                                .args_doc = "FILE\n--scenes\n--plans",
                                 .doc = description,
                                 .children = children};
     argp_parse(&parser, argc, argv, 0, NULL, &options);
     if (options.scenes) {
         list_scenes();
+        return KDR_EXIT_DONE;
+    }
+    if (options.plans) {
+        list_plans();
         return KDR_EXIT_DONE;
     }
     kdr_signals_watch("kdray info");

@@ -164,6 +164,7 @@ static bool write_json(rendering *work) {
     kdr_json_whole(&json, "dropped", work->mesh->dropped_count);
     kdr_json_whole(&json, "threads", kdr_device_worker_count(work->device));
     kdr_json_text(&json, "isa", kdr_isa_name(kdr_device_isa(work->device)));
+    kdr_report_plan_json(&json, &options->tree.build);
     kdr_json_real(&json, "load_ms", 1e3 * work->load_seconds);
     kdr_json_real(&json, "build_ms", 1e3 * stats->build_seconds);
     kdr_json_real(&json, "trace_ms", 1e3 * stats->trace_seconds);

@@ -73,6 +73,12 @@ void kdr_report_histograms(FILE *file, const kdr_tree_stats *tree, int columns) 
     print_histogram(file, "leaves by number of triangles", tree->leaf_histogram, true, columns);
 }
 
+void kdr_report_plan_json(kdr_json *json, const kdr_build_def *def) {
+    char plan[KDR_PLAN_TEXT_SIZE] = "";
+    kdr_build_def_print(def, plan, sizeof plan);
+    kdr_json_text(json, "plan", plan);
+}
+
 void kdr_report_tree_json(kdr_json *json, const kdr_tree_stats *tree) {
     kdr_json_object(json, "tree");
     kdr_json_whole(json, "triangles", tree->triangle_count);

@@ -19,6 +19,9 @@ void kdr_report_tree(FILE *file, const kdr_tree_stats *tree);
 /* Leaves by depth and by triangles, as bars of at most `columns` columns in all. */
 void kdr_report_histograms(FILE *file, const kdr_tree_stats *tree, int columns);
 
+/* The member "plan" of the innermost object: the plan as text, defaults written out. */
+void kdr_report_plan_json(kdr_json *json, const kdr_build_def *def);
+
 /* The member "tree" of the innermost object. */
 void kdr_report_tree_json(kdr_json *json, const kdr_tree_stats *tree);
 

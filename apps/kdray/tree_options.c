@@ -7,7 +7,7 @@
 #define THREAD_LIMIT 256u
 #define FACTOR_LIMIT 1e6f
 
-enum { TRAVERSAL_COST = 0x200, INTERSECTION_COST, LEAF_LIMIT, DEPTH_LIMIT, REFERENCE_LIMIT, ISA, JSON };
+enum { TRAVERSAL_COST = 0x200, INTERSECTION_COST, LEAF_LIMIT, DEPTH_LIMIT, REFERENCE_LIMIT, ISA, JSON, PLAN };
 
 static const struct argp_option options[] = {
     {NULL, 0, NULL, 0, "Work and results:", 10},
@@ -15,6 +15,10 @@ static const struct argp_option options[] = {
     {"isa", ISA, "NAME", 0, "Instruction set: scalar, sse42, avx2, avx512 or neon (default: the widest there is)", 10},
     {"json", JSON, "FILE", 0, "Write every figure as JSON; - is stdout", 10},
     {NULL, 0, NULL, 0, "How the tree is built:", 20},
+    {"plan", PLAN, "PLAN", 0,
+     "Words KEY=VALUE that say everything at once; it replaces what came before it, options after it change it "
+     "(`kdray info --plans' lists the keys)",
+     20},
     {"traversal-cost", TRAVERSAL_COST, "COST", 0, "Cost of a step through an interior node", 20},
     {"intersection-cost", INTERSECTION_COST, "COST", 0, "Cost of a triangle test", 20},
     {"leaf-limit", LEAF_LIMIT, "N", 0, "Split every leaf of more triangles", 20},
@@ -32,6 +36,12 @@ static bool find_isa(const char *name, kdr_isa *isa) {
     return false;
 }
 
+static void read_plan(struct argp_state *state, const char *text, kdr_build_def *def) {
+    char problem[256];
+    if (kdr_build_def_parse(text, def, problem, sizeof problem) != KDR_OK)
+        argp_error(state, "--plan: %s", problem);
+}
+
 static error_t parse(int key, char *text, struct argp_state *state) {
     kdr_tree_options *tree = state->input;
     switch (key) {
@@ -42,6 +52,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         tree->isa_given = true;
         break;
     case JSON: tree->json = text; break;
+    case PLAN: read_plan(state, text, &tree->build); break;
     case TRAVERSAL_COST:
         tree->build.cost_traversal = kdr_option_positive(state, "--traversal-cost", text, FACTOR_LIMIT);
         break;

@@ -186,12 +186,30 @@ KDR_API kdr_status kdr_scene_set_triangles(kdr_scene *scene, uint32_t geometry, 
  * with the same build def, does nothing. Errors: INVALID_ARGUMENT (no such geometry). */
 KDR_API kdr_status kdr_scene_touch(kdr_scene *scene, uint32_t geometry);
 
-/* How the tree is built. Distances are relative costs of the surface area heuristic. */
+/* Where a node is cut. */
+typedef enum kdr_split_rule {
+    KDR_SPLIT_BINNED, /* where the surface area heuristic says: by bins, small nodes exactly */
+    KDR_SPLIT_SPACE,  /* spatial median: the middle of the cell */
+    KDR_SPLIT_OBJECT, /* object median: the median of the centres of the primitives' boxes */
+} kdr_split_rule;
+
+/* On which axis. Where an axis has no plane worth taking, another one is tried. */
+typedef enum kdr_axis_rule {
+    KDR_AXIS_DEFAULT, /* binned: best; space, object: longest */
+    KDR_AXIS_BEST,    /* the axis whose plane costs least by the surface area heuristic */
+    KDR_AXIS_LONGEST, /* the longest axis of the cell */
+    KDR_AXIS_ROBIN,   /* one after the other, by depth */
+} kdr_axis_rule;
+
+/* How the tree is built: the plan. Costs are relative costs of the surface area heuristic. */
 typedef struct kdr_build_def {
-    size_t size;             /* set by kdr_default_build_def */
+    size_t size; /* set by kdr_default_build_def */
+    kdr_split_rule split;
+    kdr_axis_rule axis;
     float cost_traversal;    /* of one step through an interior node; > 0 */
     float cost_intersection; /* of one triangle test; > 0 */
-    uint32_t leaf_limit;     /* more primitives than this are split even where the heuristic would not; >= 1 */
+    uint32_t leaf_limit;     /* more primitives than this are split even where the heuristic would not; space, object:
+                                no more than this are never split. 0: 64 for binned, 8 for the others */
     uint32_t depth_limit;    /* 0: 8 + 1.3 log2(primitives); at most KDR_MAX_DEPTH */
     float reference_limit;   /* references a primitive, over the whole tree, that splitting may use; >= 1 */
 } kdr_build_def;
@@ -199,6 +217,24 @@ typedef struct kdr_build_def {
 #define KDR_MAX_DEPTH 60
 
 KDR_API kdr_build_def kdr_default_build_def(void);
+
+/* A plan as text: words KEY=VALUE with spaces between them, such as "split=object leaf-limit=4". Reads it into *out; a
+ * key that is left out has its default. On failure *out is left alone and `problem`, unless its size is 0, gets one
+ * sentence, cut to that size, that names the word and what is allowed.
+ * Errors: INVALID_ARGUMENT (unknown key, value that is not allowed, key given twice, text or out NULL). Thread safe. */
+KDR_API kdr_status kdr_build_def_parse(const char *text, kdr_build_def *out, char *problem, size_t problem_size);
+
+#define KDR_PLAN_TEXT_SIZE 256 /* bytes that hold every plan as text, with its end */
+
+/* Writes a plan as text, every key with its value, defaults resolved; kdr_build_def_parse reads it back to a def that
+ * builds the same tree. text: `size` bytes, the caller's; left alone on failure.
+ * Errors: INVALID_ARGUMENT (def not initialised or out of range, text NULL), LIMIT (size too small). Thread safe. */
+KDR_API kdr_status kdr_build_def_print(const kdr_build_def *def, char *text, size_t size);
+
+/* Key number i of a plan as text, counted from 0, and its values, defaults and meaning in one line; static storage.
+ * NULL past the last one. Thread safe. */
+KDR_API const char *kdr_build_def_key_name(size_t i);
+KDR_API const char *kdr_build_def_key_text(size_t i);
 
 /* Builds the tree over all triangles; def NULL means the defaults. Blocks until done; the device's workers help.
  * Triangles with a vertex that is not finite and triangles of exactly zero area, which no ray can hit, are left out and

@@ -8,7 +8,7 @@
 #include "build/builder.h"
 
 #include "base/check.h"
-#include "build/work.h"
+#include "build/splitter.h"
 
 #include <math.h>
 
@@ -149,6 +149,7 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
                              .kernels = kdr_build_kernels_for(isa),
                              .unsplit = kdr_unsplit_for(isa),
                              .input = input,
+                             .splitter = kdr_splitter_for(plan->split),
                              .plan = *plan};
     *counts = (kdr_input_counts){0};
     if (input->count > KDR_NODE_MAX_INDEX)

@@ -16,10 +16,11 @@ typedef struct kdr_mask_table {
 } kdr_mask_table;
 
 typedef struct kdr_build_kernels {
-    /* The cheapest bin boundary, on all axes, of a cell with `count` primitives whose bounds are `box`; the faces of
-     * the box are candidates too. Equal costs: the lower axis, then the faces, then the lower plane. */
+    /* The cheapest bin boundary, on the axes of a set (bit k for axis k), of a cell with `count` primitives whose
+     * bounds are `box`; the faces of the box are candidates too. Equal costs: the lower axis, then the faces, then the
+     * lower plane. */
     kdr_split (*choose_binned)(const kdr_bins *bins, const kdr_bin_grid *grid, uint32_t count, const kdr_box *box,
-                               const kdr_box *cell, const kdr_plan *plan);
+                               const kdr_box *cell, const kdr_plan *plan, uint32_t axes);
 
     /* How many references of [begin, end) go left and right of a split. */
     void (*count)(const kdr_references *from, uint32_t begin, uint32_t end, const kdr_split *split, uint32_t *left,
@@ -34,9 +35,10 @@ typedef struct kdr_build_kernels {
     /* Fills the table for references->count <= KDR_MASK_LIMIT. */
     void (*masks)(const kdr_references *references, kdr_mask_table *table);
 
-    /* The cheapest plane strictly inside a cell for the primitives in `set`; its masks in *left and *right. */
+    /* The cheapest plane strictly inside a cell, on the axes of a set, for the primitives in `set`; its masks in *left
+     * and *right. */
     kdr_split (*choose_masked)(const kdr_mask_table *table, uint32_t set, const kdr_box *cell, const kdr_plan *plan,
-                               uint32_t *left, uint32_t *right);
+                               uint32_t axes, uint32_t *left, uint32_t *right);
 } kdr_build_kernels;
 
 const kdr_build_kernels *kdr_build_kernels_for(kdr_isa isa);

@@ -16,10 +16,12 @@ static void consider_face(kdr_split *best, float face, float rim, const kdr_box 
 }
 
 static kdr_split choose_binned(const kdr_bins *bins, const kdr_bin_grid *grid, uint32_t count, const kdr_box *box,
-                               const kdr_box *cell, const kdr_plan *plan) {
+                               const kdr_box *cell, const kdr_plan *plan, uint32_t axes) {
     kdr_split best = {.cost = INFINITY};
     kdr_shares shares = kdr_shares_of(cell);
     for (uint32_t k = 0; k < 3; k++) {
+        if (!(axes >> k & 1))
+            continue;
         const float face = (float)(shares.face[k] * shares.inverse_area) * plan->cost_intersection;
         const float rim = (float)(shares.rim[k] * shares.inverse_area) * plan->cost_intersection;
         consider_face(&best, face, rim, cell, k, box->lo[k], true, count, plan->cost_traversal);
@@ -216,11 +218,13 @@ KDR_LANES_INLINE kdr_lanes_f population(kdr_lanes_u x) {
 }
 
 static kdr_split choose_masked(const kdr_mask_table *table, uint32_t set, const kdr_box *cell, const kdr_plan *plan,
-                               uint32_t *left, uint32_t *right) {
+                               uint32_t axes, uint32_t *left, uint32_t *right) {
     kdr_shares shares = kdr_shares_of(cell);
     kdr_split best = {.cost = INFINITY};
     uint32_t best_index = 0;
     for (uint32_t k = 0; k < 3; k++) {
+        if (!(axes >> k & 1))
+            continue;
         const kdr_lanes_f lo = kdr_lanes_all(cell->lo[k]), hi = kdr_lanes_all(cell->hi[k]);
         const float face = (float)(shares.face[k] * shares.inverse_area) * plan->cost_intersection;
         const float rim = (float)(shares.rim[k] * shares.inverse_area) * plan->cost_intersection;

@@ -4,7 +4,7 @@
  * its left and to its right. From then on a node is one 32-bit set: the counts of a plane are two ANDs and two
  * population counts, a split is two ANDs. This takes the place of the sorted exact candidates of section 3.4 of the
  * 2007 paper. Cost: 192 planes a node, KDR_LANES at a time. */
-#include "build/work.h"
+#include "build/splitter.h"
 
 typedef struct masked_node {
     uint32_t set, node, depth;
@@ -31,17 +31,28 @@ static void make_leaf(const masking *m, const masked_node *at) {
 static void open_masked(const masking *m, const masked_node *at) {
     const kdr_plan *plan = &m->state->plan;
     uint32_t count = (uint32_t)__builtin_popcount(at->set);
-    if (kdr_must_be_leaf(plan, count, at->depth)) {
+    if (kdr_must_be_leaf(m->state, count, at->depth)) {
         make_leaf(m, at);
         return;
     }
-    uint32_t left_set = 0, right_set = 0;
-    kdr_split split = m->state->kernels->choose_masked(&m->table, at->set, &at->cell, plan, &left_set, &right_set);
-    uint32_t left_count = (uint32_t)__builtin_popcount(left_set), right_count = (uint32_t)__builtin_popcount(right_set);
-    bool pays = split.cost < kdr_plan_leaf_cost(plan, count);
-    bool forced = count > plan->leaf_limit;
-    bool separates = left_count < count || right_count < count;
-    if (!(split.cost < INFINITY) || !(pays || forced) || !separates || left_count + right_count > at->budget) {
+
+    /* The first plane worth taking, axis after axis. */
+    uint32_t sets[3], set_count = kdr_axis_sets(plan->axis, &at->cell, at->depth, sets);
+    uint32_t left_set = 0, right_set = 0, left_count = 0, right_count = 0;
+    bool found = false;
+    kdr_split split;
+    for (uint32_t i = 0; i < set_count && !found; i++) {
+        split = m->state->kernels->choose_masked(&m->table, at->set, &at->cell, plan, sets[i], &left_set, &right_set);
+        if (!(split.cost < INFINITY))
+            continue;
+        left_count = (uint32_t)__builtin_popcount(left_set);
+        right_count = (uint32_t)__builtin_popcount(right_set);
+        bool pays = split.cost < kdr_plan_leaf_cost(plan, count);
+        bool forced = count > plan->leaf_limit;
+        bool separates = left_count < count || right_count < count;
+        found = (pays || forced) && separates && left_count + right_count <= at->budget;
+    }
+    if (!found) {
         make_leaf(m, at);
         return;
     }
@@ -62,7 +73,7 @@ void kdr_expand_masked(kdr_build_state *state, kdr_build_worker *worker, const k
     masking m = {.state = state, .worker = worker, .references = &task->references};
     masked_node root = {count == 32 ? UINT32_MAX : (1u << count) - 1, task->node, task->depth, task->cell,
                         task->budget};
-    if (!kdr_must_be_leaf(&state->plan, count, task->depth))
+    if (!kdr_must_be_leaf(state, count, task->depth))
         state->kernels->masks(&task->references, &m.table);
     open_masked(&m, &root);
 }

@@ -3,6 +3,7 @@
 #define KDR_BUILD_SPLIT_H
 
 #include "build/references.h"
+#include "kdray/kdray.h"
 
 #include <stdbool.h>
 
@@ -10,11 +11,13 @@ typedef struct kdr_split {
     uint32_t axis;
     float plane;
     bool flat_left; /* primitives that lie in the plane go left; otherwise right */
-    float cost;     /* by the surface area heuristic; infinite: there is no plane */
+    float cost;     /* by the surface area heuristic, or 0 where none is asked; infinite: there is no plane */
 } kdr_split;
 
-/* Constants of the heuristic, and limits. */
+/* Rules, constants of the heuristic, and limits; nothing is left to a default but the depth limit. */
 typedef struct kdr_plan {
+    kdr_split_rule split;
+    kdr_axis_rule axis;
     float cost_traversal, cost_intersection;
     uint32_t leaf_limit, depth_limit;
     float reference_limit;

@@ -52,6 +52,7 @@ typedef struct kdr_build_state {
     const kdr_build_kernels *kernels;
     const kdr_unsplit *unsplit;
     const kdr_input *input;
+    const struct kdr_splitter *splitter;
     kdr_plan plan;
     _Atomic int status; /* the first failure; workers stop when it is not KDR_OK */
 } kdr_build_state;
@@ -93,12 +94,6 @@ kdr_opened kdr_expand(kdr_build_state *state, kdr_build_worker *worker, bool par
 
 /* ---- masks.c: a task of at most KDR_MASK_LIMIT references becomes a whole subtree. */
 void kdr_expand_masked(kdr_build_state *state, kdr_build_worker *worker, const kdr_build_task *task);
-
-/* True if a node becomes a leaf whatever its planes cost. */
-static inline bool kdr_must_be_leaf(const kdr_plan *plan, uint32_t count, uint32_t depth) {
-    bool cheap = kdr_plan_leaf_cost(plan, count) <= plan->cost_traversal && count <= plan->leaf_limit;
-    return count == 0 || depth >= plan->depth_limit || cheap;
-}
 
 /* ---- layout.c: the finished tree in canonical order. */
 kdr_status kdr_build_layout(kdr_build_state *state, kdr_tree *tree);

@@ -1,39 +1,14 @@
 /* Commit: a new tree is made beside the old one and takes its place only when it is whole. */
 #include "base/cpu.h"
+#include "build/plan.h"
 #include "scene/scene.h"
 
 #include <string.h>
 
-kdr_build_def kdr_default_build_def(void) {
-    return (kdr_build_def){.size = sizeof(kdr_build_def),
-                           .cost_traversal = 16,
-                           .cost_intersection = 1,
-                           .leaf_limit = 64,
-                           .depth_limit = 0,
-                           .reference_limit = 4};
-}
-
-/* A sentence about what is wrong with a def, or NULL. Comparisons are written so that NaN is wrong. */
-static const char *def_problem(const kdr_build_def *def) {
-    if (def->size != sizeof(kdr_build_def))
-        return "the build def was not made by kdr_default_build_def";
-    if (!(def->cost_traversal > 0 && def->cost_traversal <= 1e6f))
-        return "cost_traversal must be over 0 and at most 1,000,000";
-    if (!(def->cost_intersection > 0 && def->cost_intersection <= 1e6f))
-        return "cost_intersection must be over 0 and at most 1,000,000";
-    if (def->leaf_limit < 1)
-        return "leaf_limit must be at least 1";
-    if (def->depth_limit > KDR_MAX_DEPTH)
-        return "depth_limit must be at most 60";
-    if (!(def->reference_limit >= 1 && def->reference_limit <= 1e6f))
-        return "reference_limit must be at least 1 and at most 1,000,000";
-    return NULL;
-}
-
-static bool same_build(const kdr_build_def *a, const kdr_build_def *b) {
-    return a->cost_traversal == b->cost_traversal && a->cost_intersection == b->cost_intersection &&
-           a->leaf_limit == b->leaf_limit && a->depth_limit == b->depth_limit &&
-           a->reference_limit == b->reference_limit;
+static bool same_build(const kdr_plan *a, const kdr_plan *b) {
+    return a->split == b->split && a->axis == b->axis && a->cost_traversal == b->cost_traversal &&
+           a->cost_intersection == b->cost_intersection && a->leaf_limit == b->leaf_limit &&
+           a->depth_limit == b->depth_limit && a->reference_limit == b->reference_limit;
 }
 
 /* Numbers the triangles of all geometries; NULL when there is no memory or the total is over the limit. */
@@ -83,10 +58,12 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
         return KDR_ERROR_INVALID_ARGUMENT;
     kdr_device *device = scene->device;
     kdr_build_def def = given ? *given : kdr_default_build_def();
-    const char *problem = def_problem(&def);
+    const char *problem = kdr_build_def_problem(&def);
     if (problem)
         return kdr_device_fail(device, KDR_ERROR_INVALID_ARGUMENT, "%s", problem);
-    if (scene->committed && !scene->changed && same_build(&def, &scene->build))
+    kdr_plan plan = kdr_plan_of(&def);
+    plan.wide = device->traversals->wants_wide;
+    if (scene->committed && !scene->changed && same_build(&plan, &scene->plan))
         return KDR_OK;
 
     double start = kdr_cpu_seconds();
@@ -96,12 +73,6 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
         return status;
     kdr_triangles triangles = {scene->geometries, first, scene->geometry_count};
     kdr_input input = kdr_triangles_input(&triangles);
-    kdr_plan plan = {.cost_traversal = def.cost_traversal,
-                     .cost_intersection = def.cost_intersection,
-                     .leaf_limit = def.leaf_limit,
-                     .depth_limit = def.depth_limit,
-                     .reference_limit = def.reference_limit,
-                     .wide = device->traversals->wants_wide};
     kdr_tree tree;
     kdr_input_counts counts;
     status = kdr_build(device->workshop, &device->crew, device->isa, &input, &plan, &tree, &counts);
@@ -121,7 +92,7 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
     scene->committed_count = scene->geometry_count;
     scene->committed = true;
     scene->changed = false;
-    scene->build = def;
+    scene->plan = plan;
     scene->build_seconds = kdr_cpu_seconds() - start;
     return KDR_OK;
 }

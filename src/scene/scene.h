@@ -17,7 +17,7 @@ struct kdr_scene {
     uint32_t *first;          /* first[g]: number of geometry g's first triangle; committed_count + 1 entries */
     uint32_t committed_count; /* geometries */
     bool committed;
-    kdr_build_def build;
+    kdr_plan plan;
     double build_seconds;
 };
 

@@ -57,7 +57,7 @@ holds "--seed moves the samples" no cmp -s seed1.png seed2.png
 
 # What must not change the picture
 for same in "-t 1" "--threads=3" "--isa scalar" "--traversal-cost 5" "--intersection-cost 3.5e0" "--leaf-limit 1" \
-    "--depth-limit 3" "--reference-limit 1"; do
+    "--depth-limit 3" "--reference-limit 1" "--plan=split=space" "--plan split=object"; do
     # shellcheck disable=SC2086
     picture same.png $same
     holds "$same leaves the picture alone" cmp -s plain.png same.png

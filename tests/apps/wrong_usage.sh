@@ -47,6 +47,8 @@ refuses 'expected --compare' render "$scene" -o x.png --threshold 3
 refuses 'expected a mesh file' info
 refuses 'one mesh file' info a b
 refuses 'expected no mesh file' info --scenes a
+refuses '^kdray info: --plans: expected no mesh file, found "a"' info --plans a
+refuses 'expected --scenes or --plans' info --scenes --plans
 
 # Numbers: whole words, finite, in range
 number() {

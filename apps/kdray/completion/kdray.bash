@@ -2,8 +2,8 @@
 
 _kdray() {
     local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} command=${COMP_WORDS[1]}
-    local build='--threads --isa --json --quiet --traversal-cost --intersection-cost --leaf-limit --depth-limit
-        --reference-limit --help --usage --version'
+    local build='--threads --isa --json --quiet --plan --traversal-cost --intersection-cost --leaf-limit
+        --depth-limit --reference-limit --help --usage --version'
     COMPREPLY=()
 
     if ((COMP_CWORD == 1)); then
@@ -32,7 +32,7 @@ _kdray() {
         return
         ;;
     -r | --resolution | -t | --threads | --spp | --seed | --camera | --target | --up | --fov | --light | --threshold | \
-        --rounds | --traversal-cost | --intersection-cost | --leaf-limit | --depth-limit | --reference-limit)
+        --rounds | --plan | --traversal-cost | --intersection-cost | --leaf-limit | --depth-limit | --reference-limit)
         return
         ;;
     esac
@@ -44,7 +44,7 @@ _kdray() {
             options="--output --resolution --spp --seed --view --camera --target --up --fov --light --box --texture
                 --compare --threshold --stats $build"
             ;;
-        info) options="--scenes $build" ;;
+        info) options="--scenes --plans $build" ;;
         bench) options="--resolution --rounds --only --csv $build" ;;
         esac
         mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")

@@ -1,0 +1,300 @@
+/* A plan as text: what is read, what is refused and how, and that what is printed is read back. */
+#include "support/everywhere.h"
+#include "support/random.h"
+#include "support/soup.h"
+#include "support/test_size.h"
+
+#include <locale.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define ROUNDS TEST_SIZE(20000)
+#define USUAL                                                                                                          \
+    "split=binned axis=best traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 reference-limit=4"
+
+static kdr_build_def parsed(const char *text) {
+    kdr_build_def def;
+    char problem[300] = "";
+    if (kdr_build_def_parse(text, &def, problem, sizeof problem) != KDR_OK)
+        fail_msg("\"%s\" is refused: %s", text, problem);
+    assert_string_equal(problem, "");
+    return def;
+}
+
+/* The text of a def, in storage that the next call reuses. */
+static const char *printed(const kdr_build_def *def) {
+    static char text[KDR_PLAN_TEXT_SIZE];
+    assert_int_equal(kdr_build_def_print(def, text, sizeof text), KDR_OK);
+    return text;
+}
+
+static void assert_reads_as(const char *text, const char *expected) {
+    kdr_build_def def = parsed(text);
+    assert_string_equal(printed(&def), expected);
+}
+
+static void assert_same_def(const kdr_build_def *a, const kdr_build_def *b) {
+    assert_true(a->size == b->size && a->split == b->split && a->axis == b->axis);
+    assert_true(a->cost_traversal == b->cost_traversal && a->cost_intersection == b->cost_intersection);
+    assert_true(a->leaf_limit == b->leaf_limit && a->depth_limit == b->depth_limit);
+    assert_true(a->reference_limit == b->reference_limit);
+}
+
+static void no_words_are_the_default_plan(void **state) {
+    (void)state;
+    kdr_build_def def = kdr_default_build_def();
+    assert_string_equal(printed(&def), USUAL);
+    assert_reads_as("", USUAL);
+    assert_reads_as(" \t\n ", USUAL);
+    assert_reads_as(USUAL, USUAL);
+}
+
+static void keys_are_read_in_any_order_and_what_is_left_out_has_its_default(void **state) {
+    (void)state;
+    assert_reads_as("  reference-limit=2.5  split=binned\taxis=robin ",
+                    "split=binned axis=robin traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 "
+                    "reference-limit=2.5");
+    assert_reads_as("depth-limit=60 leaf-limit=4294967295 intersection-cost=1e-3 traversal-cost=1e6",
+                    "split=binned axis=best traversal-cost=1e+06 intersection-cost=0.001 leaf-limit=4294967295 "
+                    "depth-limit=60 reference-limit=4");
+}
+
+static void medians_have_defaults_of_their_own(void **state) {
+    (void)state;
+    static const char *const splits[] = {"space", "object"};
+    for (int i = 0; i < 2; i++) {
+        char text[100], expected[KDR_PLAN_TEXT_SIZE];
+        snprintf(text, sizeof text, "split=%s", splits[i]);
+        snprintf(expected, sizeof expected,
+                 "split=%s axis=longest traversal-cost=16 intersection-cost=1 leaf-limit=8 depth-limit=0 "
+                 "reference-limit=4",
+                 splits[i]);
+        assert_reads_as(text, expected);
+    }
+}
+
+static void wrong_words_are_refused_with_a_sentence_that_names_them(void **state) {
+    (void)state;
+    static const char any_key[] = "expected KEY=VALUE with one of the keys split, axis, traversal-cost, "
+                                  "intersection-cost, leaf-limit, depth-limit or reference-limit, found ";
+    static const char real[] = "a number above 0 and at most 1e+06", whole[] = "a whole number from 1 to 4294967295";
+    static const struct {
+        const char *text, *key, *allowed, *found;
+    } wrong[] = {
+        {"split=middle", "split", "binned, space or object", "middle"},
+        {"split=", "split", "binned, space or object", ""},
+        {"split=Binned", "split", "binned, space or object", "Binned"},
+        {"split=binned=", "split", "binned, space or object", "binned="},
+        {"axis=x", "axis", "best, longest or robin", "x"},
+        {"axis=", "axis", "best, longest or robin", ""},
+        {"axis=bes", "axis", "best, longest or robin", "bes"},
+        {"traversal-cost=0", "traversal-cost", real, "0"},
+        {"traversal-cost=-1", "traversal-cost", real, "-1"},
+        {"traversal-cost=nan", "traversal-cost", real, "nan"},
+        {"traversal-cost=inf", "traversal-cost", real, "inf"},
+        {"traversal-cost=1e-60", "traversal-cost", real, "1e-60"},
+        {"traversal-cost=1,5", "traversal-cost", real, "1,5"},
+        {"traversal-cost=0x10", "traversal-cost", real, "0x10"},
+        {"intersection-cost=1000001", "intersection-cost", real, "1000001"},
+        {"intersection-cost=1e999", "intersection-cost", real, "1e999"},
+        {"intersection-cost=1e", "intersection-cost", real, "1e"},
+        {"leaf-limit=0", "leaf-limit", whole, "0"},
+        {"leaf-limit=4294967296", "leaf-limit", whole, "4294967296"},
+        {"leaf-limit=1.5", "leaf-limit", whole, "1.5"},
+        {"leaf-limit=-1", "leaf-limit", whole, "-1"},
+        {"leaf-limit=", "leaf-limit", whole, ""},
+        {"depth-limit=61", "depth-limit", "a whole number from 0 to 60", "61"},
+        {"reference-limit=0.99", "reference-limit", "a number from 1 to 1e+06", "0.99"},
+        {"split=space depth-limit=x", "depth-limit", "a whole number from 0 to 60", "x"},
+        {"splt=binned", NULL, any_key, "splt=binned"},
+        {"split", NULL, any_key, "split"},
+        {"=space", NULL, any_key, "=space"},
+        {"split =space", NULL, any_key, "split"},
+        {"split=space,axis=best", "split", "binned, space or object", "space,axis=best"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        char expected[400], problem[400] = "";
+        if (wrong[i].key)
+            snprintf(expected, sizeof expected, "%s: expected %s, found \"%s\"", wrong[i].key, wrong[i].allowed,
+                     wrong[i].found);
+        else
+            snprintf(expected, sizeof expected, "%s\"%s\"", wrong[i].allowed, wrong[i].found);
+        kdr_build_def def = {.size = 7}, before = def;
+        if (kdr_build_def_parse(wrong[i].text, &def, problem, sizeof problem) != KDR_ERROR_INVALID_ARGUMENT)
+            fail_msg("\"%s\" is not refused", wrong[i].text);
+        assert_string_equal(problem, expected);
+        assert_same_def(&def, &before);
+    }
+}
+
+static void a_key_given_twice_is_refused(void **state) {
+    (void)state;
+    for (size_t i = 0; kdr_build_def_key_name(i); i++) {
+        const char *key = kdr_build_def_key_name(i), *value = i == 0 ? "space" : i == 1 ? "robin" : "5";
+        char text[100], expected[200], problem[200];
+        snprintf(text, sizeof text, "%s=%s %s=%s", key, value, key, value);
+        snprintf(expected, sizeof expected, "%s: expected it once, found \"%s=%s\" as well", key, key, value);
+        kdr_build_def def;
+        assert_int_equal(kdr_build_def_parse(text, &def, problem, sizeof problem), KDR_ERROR_INVALID_ARGUMENT);
+        assert_string_equal(problem, expected);
+    }
+}
+
+static void a_sentence_is_cut_to_the_room_there_is(void **state) {
+    (void)state;
+    kdr_build_def def;
+    char problem[12] = "untouched..";
+    assert_int_equal(kdr_build_def_parse("axis=x", &def, problem, 0), KDR_ERROR_INVALID_ARGUMENT);
+    assert_string_equal(problem, "untouched..");
+    assert_int_equal(kdr_build_def_parse("axis=x", &def, problem, 8), KDR_ERROR_INVALID_ARGUMENT);
+    assert_string_equal(problem, "axis: e");
+    assert_int_equal(kdr_build_def_parse("axis=x", &def, NULL, 100), KDR_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(kdr_build_def_parse(NULL, &def, problem, sizeof problem), KDR_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(kdr_build_def_parse("", NULL, problem, sizeof problem), KDR_ERROR_INVALID_ARGUMENT);
+}
+
+static void a_plan_is_printed_whole_or_not_at_all(void **state) {
+    (void)state;
+    kdr_build_def def = kdr_default_build_def();
+    char text[sizeof USUAL];
+    assert_int_equal(kdr_build_def_print(&def, text, sizeof text), KDR_OK);
+    assert_string_equal(text, USUAL);
+    text[0] = 'x';
+    assert_int_equal(kdr_build_def_print(&def, text, sizeof text - 1), KDR_ERROR_LIMIT);
+    assert_int_equal(kdr_build_def_print(&def, text, 0), KDR_ERROR_LIMIT);
+    assert_int_equal(text[0], 'x');
+    assert_int_equal(kdr_build_def_print(&def, NULL, 100), KDR_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(kdr_build_def_print(NULL, text, sizeof text), KDR_ERROR_INVALID_ARGUMENT);
+    def.size--;
+    assert_int_equal(kdr_build_def_print(&def, text, sizeof text), KDR_ERROR_INVALID_ARGUMENT);
+}
+
+static float any_between(test_random *random, float low, float high) {
+    float value = low * expf(test_random_float(random) * logf(high / low));
+    return fminf(fmaxf(value, low), high);
+}
+
+static void what_is_printed_is_read_back_to_the_bit(void **state) {
+    (void)state;
+    test_random random = test_random_start(test_random_seed(), 1);
+    for (int i = 0; i < ROUNDS; i++) {
+        kdr_build_def def = kdr_default_build_def();
+        def.split = (kdr_split_rule)test_random_below(&random, 3);
+        def.axis = (kdr_axis_rule)(1 + test_random_below(&random, 3));
+        def.cost_traversal = any_between(&random, 1e-45f, 1e6f);
+        def.cost_intersection = any_between(&random, 1e-3f, 1e6f);
+        def.reference_limit = any_between(&random, 1, 1e6f);
+        def.leaf_limit = 1 + (test_random_u32(&random) >> test_random_below(&random, 32)) / 2;
+        def.depth_limit = test_random_below(&random, KDR_MAX_DEPTH + 1);
+        kdr_build_def back = parsed(printed(&def));
+        assert_same_def(&back, &def);
+    }
+}
+
+static void the_longest_plan_fits(void **state) {
+    (void)state;
+    kdr_build_def def = kdr_default_build_def();
+    def.split = KDR_SPLIT_OBJECT;
+    def.axis = KDR_AXIS_LONGEST;
+    def.cost_traversal = def.cost_intersection = 1.17549435e-38f;
+    def.leaf_limit = UINT32_MAX;
+    def.depth_limit = KDR_MAX_DEPTH;
+    def.reference_limit = 123456.789f;
+    assert_true(strlen(printed(&def)) < KDR_PLAN_TEXT_SIZE - 16);
+}
+
+static void every_key_is_explained_and_printed(void **state) {
+    (void)state;
+    size_t count = 0;
+    for (; kdr_build_def_key_name(count); count++) {
+        char word[100];
+        snprintf(word, sizeof word, " %s=", kdr_build_def_key_name(count));
+        assert_non_null(strstr(" " USUAL, word));
+        assert_true(strlen(kdr_build_def_key_text(count)) > 20);
+        assert_non_null(strstr(kdr_build_def_key_text(count), "default "));
+    }
+    assert_int_equal(count, 7);
+    assert_null(kdr_build_def_key_text(count));
+    assert_null(kdr_build_def_key_name(SIZE_MAX));
+}
+
+static void a_locale_with_another_point_changes_nothing(void **state) {
+    (void)state;
+    // Where no such locale is installed the test proves what it can: the one there is.
+    if (!setlocale(LC_NUMERIC, "de_DE.UTF-8") && !setlocale(LC_NUMERIC, "fr_FR.UTF-8"))
+        print_message("no locale with a comma is installed\n");
+    kdr_build_def def = parsed("traversal-cost=2.5");
+    assert_true(def.cost_traversal == 2.5f);
+    assert_non_null(strstr(printed(&def), "traversal-cost=2.5 "));
+    setlocale(LC_NUMERIC, "C");
+}
+
+static void a_commit_refuses_rules_that_there_are_not(void **state) {
+    (void)state;
+    kdr_device *device;
+    assert_int_equal(kdr_device_create(NULL, &device), KDR_OK);
+    kdr_scene *scene = committed_scene(device, NULL, 0, NULL);
+    for (int i = 0; i < 4; i++) {
+        kdr_build_def def = kdr_default_build_def();
+        if (i % 2 == 0)
+            def.split = (kdr_split_rule)(i == 0 ? 3 : -1);
+        else
+            def.axis = (kdr_axis_rule)(i == 1 ? 4 : -1);
+        char text[KDR_PLAN_TEXT_SIZE];
+        assert_int_equal(kdr_scene_commit(scene, &def), KDR_ERROR_INVALID_ARGUMENT);
+        assert_int_equal(kdr_build_def_print(&def, text, sizeof text), KDR_ERROR_INVALID_ARGUMENT);
+    }
+    kdr_scene_destroy(scene);
+    kdr_device_destroy(device);
+}
+
+static void a_commit_with_another_rule_builds_again_and_with_the_same_one_does_not(void **state) {
+    (void)state;
+    test_random random = test_random_start(test_random_seed(), 2);
+    soup_scene soup = soup_scene_create_kind(&random, soup_kind_find("small"), 800);
+    kdr_device *device;
+    assert_int_equal(kdr_device_create(NULL, &device), KDR_OK);
+    kdr_scene *scene = committed_scene(device, soup.geometries, SOUP_GEOMETRIES, NULL);
+    static const char *const plans[] = {"split=space", "split=space axis=robin", "split=object axis=robin", ""};
+    for (size_t i = 0; i < sizeof plans / sizeof plans[0]; i++) {
+        uint64_t before = kdr_scene_hash(scene);
+        kdr_build_def def = parsed(plans[i]);
+        assert_int_equal(kdr_scene_commit(scene, &def), KDR_OK);
+        assert_true(kdr_scene_hash(scene) != before);
+
+        // A default and what it stands for are one plan.
+        kdr_tree_stats first, second;
+        assert_int_equal(kdr_scene_stats(scene, &first), KDR_OK);
+        kdr_build_def resolved = parsed(printed(&def));
+        assert_int_equal(kdr_scene_commit(scene, &resolved), KDR_OK);
+        assert_int_equal(kdr_scene_stats(scene, &second), KDR_OK);
+        assert_memory_equal(&first, &second, sizeof first);
+    }
+    kdr_scene_destroy(scene);
+    kdr_device_destroy(device);
+    soup_scene_destroy(&soup);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_words_are_the_default_plan),
+        cmocka_unit_test(keys_are_read_in_any_order_and_what_is_left_out_has_its_default),
+        cmocka_unit_test(medians_have_defaults_of_their_own),
+        cmocka_unit_test(wrong_words_are_refused_with_a_sentence_that_names_them),
+        cmocka_unit_test(a_key_given_twice_is_refused),
+        cmocka_unit_test(a_sentence_is_cut_to_the_room_there_is),
+        cmocka_unit_test(a_plan_is_printed_whole_or_not_at_all),
+        cmocka_unit_test(what_is_printed_is_read_back_to_the_bit),
+        cmocka_unit_test(the_longest_plan_fits),
+        cmocka_unit_test(every_key_is_explained_and_printed),
+        cmocka_unit_test(a_locale_with_another_point_changes_nothing),
+        cmocka_unit_test(a_commit_refuses_rules_that_there_are_not),
+        cmocka_unit_test(a_commit_with_another_rule_builds_again_and_with_the_same_one_does_not),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
