@@ -123,7 +123,7 @@ static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
 static void stream_closest(const kdr_tree *tree, const kdr_ray *rays, size_t stride, uint32_t count, kdr_found *found) {
     stream s;
     s.tree = tree;
-    stream_begin(&s, rays, stride, count);
+    stream_begin(&s, rays, stride, count, false);
     stream_run(&s, false);
     for (uint32_t i = 0; i < count; i++) {
         stream_ray *ray = &s.rays[i];
@@ -139,7 +139,7 @@ static void stream_closest(const kdr_tree *tree, const kdr_ray *rays, size_t str
 static void stream_any(const kdr_tree *tree, const kdr_ray *rays, size_t stride, uint32_t count, uint8_t *occluded) {
     stream s;
     s.tree = tree;
-    stream_begin(&s, rays, stride, count);
+    stream_begin(&s, rays, stride, count, true);
     stream_run(&s, true);
     for (uint32_t i = 0; i < count; i++)
         occluded[i] = s.rays[i].octant == STREAM_ALONE ? single_any(tree, s.rays[i].ray) : s.rays[i].t < s.rays[i].tmin;

@@ -52,7 +52,7 @@ typedef struct stream {
     float enters[KDR_STREAM_RAYS][KDR_WIDE];
 } stream;
 
-KDR_LANES_INLINE void stream_begin(stream *s, const kdr_ray *rays, size_t stride, uint32_t count) {
+KDR_LANES_INLINE void stream_begin(stream *s, const kdr_ray *rays, size_t stride, uint32_t count, const bool any) {
     s->count = count;
     for (uint32_t i = 0; i < count; i++) {
         stream_ray *at = &s->rays[i];
@@ -61,7 +61,8 @@ KDR_LANES_INLINE void stream_begin(stream *s, const kdr_ray *rays, size_t stride
         at->tmin = at->ray->tmin;
         at->t = at->ray->tmax;
         at->octant = STREAM_ALONE;
-        kdr_closest_begin(&s->closest[i], at->t);
+        if (!any)
+            kdr_closest_begin(&s->closest[i], at->t);
         wide_ray r;
         if (!wide_begin(&r, at->ray, s->tree))
             continue;
