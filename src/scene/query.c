@@ -3,9 +3,8 @@
 
 kdr_trace_def kdr_default_trace_def(void) { return (kdr_trace_def){.size = sizeof(kdr_trace_def)}; }
 
-/* found->primitive UINT32_MAX: a miss. */
-static inline void answer(const kdr_scene *scene, const kdr_found *found, kdr_ray_hit *ray_hit) {
-    if (found->primitive == UINT32_MAX) {
+static inline void answer(const kdr_scene *scene, bool hit, const kdr_found *found, kdr_ray_hit *ray_hit) {
+    if (!hit) {
         ray_hit->hit.geometry = KDR_INVALID_ID;
         return;
     }
@@ -23,9 +22,8 @@ static inline void answer(const kdr_scene *scene, const kdr_found *found, kdr_ra
 
 static inline void intersect(const kdr_scene *scene, const kdr_traversals *traversals, kdr_ray_hit *ray_hit) {
     kdr_found found;
-    found.primitive = UINT32_MAX;
-    traversals->single_closest(&scene->tree, &ray_hit->ray, &found);
-    answer(scene, &found, ray_hit);
+    bool hit = traversals->single_closest(&scene->tree, &ray_hit->ray, &found);
+    answer(scene, hit, &found, ray_hit);
 }
 
 /* True if the rays, one every `stride` bytes, are to go together: as the caller says, or if most of eight of them point
@@ -67,7 +65,7 @@ void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_h
         kdr_found found[KDR_STREAM_RAYS];
         traversals->stream_closest(&scene->tree, &part->ray, sizeof *part, rays, found);
         for (uint32_t i = 0; i < rays; i++)
-            answer(scene, &found[i], &part[i]);
+            answer(scene, found[i].primitive != UINT32_MAX, &found[i], &part[i]);
     }
 }
 
