@@ -191,27 +191,63 @@ typedef enum kdr_split_rule {
     KDR_SPLIT_BINNED, /* where the surface area heuristic says: by bins, small nodes exactly */
     KDR_SPLIT_SPACE,  /* spatial median: the middle of the cell */
     KDR_SPLIT_OBJECT, /* object median: the median of the centres of the primitives' boxes */
+    KDR_SPLIT_SWEEP,  /* where the surface area heuristic says, exactly, by sorted events */
 } kdr_split_rule;
 
 /* On which axis. Where an axis has no plane worth taking, another one is tried. */
 typedef enum kdr_axis_rule {
-    KDR_AXIS_DEFAULT, /* binned: best; space, object: longest */
+    KDR_AXIS_DEFAULT, /* binned, sweep: best; space, object: longest */
     KDR_AXIS_BEST,    /* the axis whose plane costs least by the surface area heuristic */
     KDR_AXIS_LONGEST, /* the longest axis of the cell */
     KDR_AXIS_ROBIN,   /* one after the other, by depth */
 } kdr_axis_rule;
+
+/* What is opened next. It never changes the tree. */
+typedef enum kdr_order_rule { KDR_ORDER_DEPTH_FIRST, KDR_ORDER_BREADTH_FIRST } kdr_order_rule;
+
+/* Who works on what. All but NONE first divide the scene at medians into share_count regions, whatever the number of
+ * workers, which become subtrees of one tree. */
+typedef enum kdr_share_rule {
+    KDR_SHARE_NONE,    /* no regions: all workers on each of the largest nodes, then nodes are handed around */
+    KDR_SHARE_SERIAL,  /* regions by medians of begins and ends, found by one worker; one worker a region */
+    KDR_SHARE_LINE,    /* slices of the longest axis, by bins, found by all workers; one worker a region */
+    KDR_SHARE_GRID,    /* boxes, by one histogram on three axes, found by all workers; one worker a region */
+    KDR_SHARE_CLUSTER, /* slices of the longest axis, by 512 bins a region; then nodes are handed around */
+} kdr_share_rule;
+
+#define KDR_MAX_SHARE_COUNT 1024
+
+/* Events of the sweep. */
+typedef enum kdr_event_form {
+    KDR_EVENTS_TWO = 2,  /* begin and end; boxes without extent are widened by the least amount */
+    KDR_EVENTS_THREE = 3 /* begin, lying in the plane, end; what lies in a plane is tried on both sides */
+} kdr_event_form;
+
+/* What becomes of a primitive on both sides of a plane. */
+typedef enum kdr_straddle_rule {
+    KDR_STRADDLE_GENERAL, /* its box is cut at the plane: works for every primitive */
+    KDR_STRADDLE_CLIP,    /* sweep: the triangle is cut, and goes only where it really is */
+} kdr_straddle_rule;
 
 /* How the tree is built: the plan. Costs are relative costs of the surface area heuristic. */
 typedef struct kdr_build_def {
     size_t size; /* set by kdr_default_build_def */
     kdr_split_rule split;
     kdr_axis_rule axis;
-    float cost_traversal;    /* of one step through an interior node; > 0 */
-    float cost_intersection; /* of one triangle test; > 0 */
-    uint32_t leaf_limit;     /* more primitives than this are split even where the heuristic would not; space, object:
-                                no more than this are never split. 0: 64 for binned, 8 for the others */
-    uint32_t depth_limit;    /* 0: 8 + 1.3 log2(primitives); at most KDR_MAX_DEPTH */
-    float reference_limit;   /* references a primitive, over the whole tree, that splitting may use; >= 1 */
+    kdr_order_rule order;
+    kdr_share_rule share;
+    uint32_t share_count;       /* regions; 1 to KDR_MAX_SHARE_COUNT; 0 with KDR_SHARE_NONE */
+    kdr_event_form events;      /* sweep only */
+    kdr_straddle_rule straddle; /* CLIP: sweep only */
+    bool retract;               /* take back splits that did not pay, once the tree is built */
+    float empty_bonus;          /* factor of the cost of triangle tests where a plane leaves one side empty: over 0, at
+                                   most 1; binned and sweep only. 0: 0.8 for sweep, 1 for binned */
+    float cost_traversal;       /* of one step through an interior node; > 0 */
+    float cost_intersection;    /* of one triangle test; > 0 */
+    uint32_t leaf_limit;   /* more primitives than this are split even where the heuristic would not; space, object:
+                              no more than this are never split. 0: 64 for binned and sweep, 8 for the others */
+    uint32_t depth_limit;  /* 0: 8 + 1.3 log2(primitives); at most KDR_MAX_DEPTH */
+    float reference_limit; /* references a primitive, over the whole tree, that splitting may use; >= 1 */
 } kdr_build_def;
 
 #define KDR_MAX_DEPTH 60
@@ -224,7 +260,7 @@ KDR_API kdr_build_def kdr_default_build_def(void);
  * Errors: INVALID_ARGUMENT (unknown key, value that is not allowed, key given twice, text or out NULL). Thread safe. */
 KDR_API kdr_status kdr_build_def_parse(const char *text, kdr_build_def *out, char *problem, size_t problem_size);
 
-#define KDR_PLAN_TEXT_SIZE 256 /* bytes that hold every plan as text, with its end */
+#define KDR_PLAN_TEXT_SIZE 512 /* bytes that hold every plan as text, with its end */
 
 /* Writes a plan as text, every key with its value, defaults resolved; kdr_build_def_parse reads it back to a def that
  * builds the same tree. text: `size` bytes, the caller's; left alone on failure.

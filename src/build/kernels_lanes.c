@@ -6,26 +6,34 @@
 
 /* A face of the bounds as a plane that cuts off empty space. */
 static void consider_face(kdr_split *best, float face, float rim, const kdr_box *cell, uint32_t axis, float plane,
-                          bool lower, uint32_t count, float traversal) {
+                          bool lower, uint32_t count, const kdr_plan *plan) {
     if (!(plane > cell->lo[axis] && plane < cell->hi[axis]))
         return;
     float extent = lower ? cell->hi[axis] - plane : plane - cell->lo[axis];
-    float cost = traversal + (face + rim * extent) * (float)count;
+    float cost = plan->cost_traversal + (face + rim * extent) * (float)count * plan->empty_bonus;
     if (cost < best->cost)
         *best = (kdr_split){.axis = axis, .plane = plane, .flat_left = !lower, .cost = cost};
+}
+
+/* Makes planes cheaper that leave one side empty. */
+KDR_LANES_INLINE kdr_lanes_f reward_empty(kdr_lanes_f cost, kdr_lanes_f n_left, kdr_lanes_f n_right, float bonus) {
+    if (bonus == 1)
+        return cost;
+    kdr_lanes_f one = kdr_lanes_all(1);
+    return kdr_lanes_choose(kdr_lanes_less(n_left, one) | kdr_lanes_less(n_right, one), cost * bonus, cost);
 }
 
 static kdr_split choose_binned(const kdr_bins *bins, const kdr_bin_grid *grid, uint32_t count, const kdr_box *box,
                                const kdr_box *cell, const kdr_plan *plan, uint32_t axes) {
     kdr_split best = {.cost = INFINITY};
-    kdr_shares shares = kdr_shares_of(cell);
+    kdr_fractions fractions = kdr_fractions_of(cell);
     for (uint32_t k = 0; k < 3; k++) {
         if (!(axes >> k & 1))
             continue;
-        const float face = (float)(shares.face[k] * shares.inverse_area) * plan->cost_intersection;
-        const float rim = (float)(shares.rim[k] * shares.inverse_area) * plan->cost_intersection;
-        consider_face(&best, face, rim, cell, k, box->lo[k], true, count, plan->cost_traversal);
-        consider_face(&best, face, rim, cell, k, box->hi[k], false, count, plan->cost_traversal);
+        const float face = (float)(fractions.face[k] * fractions.inverse_area) * plan->cost_intersection;
+        const float rim = (float)(fractions.rim[k] * fractions.inverse_area) * plan->cost_intersection;
+        consider_face(&best, face, rim, cell, k, box->lo[k], true, count, plan);
+        consider_face(&best, face, rim, cell, k, box->hi[k], false, count, plan);
         if (grid->scale[k] == 0)
             continue;
 
@@ -51,6 +59,7 @@ static kdr_split choose_binned(const kdr_bins *bins, const kdr_bin_grid *grid, u
             kdr_lanes_f n_right =
                 __builtin_convertvector((kdr_lanes_i)(begun - kdr_lanes_load_u(right + i)), kdr_lanes_f);
             kdr_lanes_f cost = (face + rim * (plane - lo)) * n_left + (face + rim * (hi - plane)) * n_right;
+            cost = reward_empty(cost, n_left, n_right, plan->empty_bonus);
             kdr_lane_bits inside = kdr_lanes_less(lo, plane) & kdr_lanes_less(plane, hi);
             kdr_lanes_store(costs + i,
                             kdr_lanes_choose(inside, plan->cost_traversal + weight * cost, kdr_lanes_all(INFINITY)));
@@ -219,21 +228,22 @@ KDR_LANES_INLINE kdr_lanes_f population(kdr_lanes_u x) {
 
 static kdr_split choose_masked(const kdr_mask_table *table, uint32_t set, const kdr_box *cell, const kdr_plan *plan,
                                uint32_t axes, uint32_t *left, uint32_t *right) {
-    kdr_shares shares = kdr_shares_of(cell);
+    kdr_fractions fractions = kdr_fractions_of(cell);
     kdr_split best = {.cost = INFINITY};
     uint32_t best_index = 0;
     for (uint32_t k = 0; k < 3; k++) {
         if (!(axes >> k & 1))
             continue;
         const kdr_lanes_f lo = kdr_lanes_all(cell->lo[k]), hi = kdr_lanes_all(cell->hi[k]);
-        const float face = (float)(shares.face[k] * shares.inverse_area) * plan->cost_intersection;
-        const float rim = (float)(shares.rim[k] * shares.inverse_area) * plan->cost_intersection;
+        const float face = (float)(fractions.face[k] * fractions.inverse_area) * plan->cost_intersection;
+        const float rim = (float)(fractions.rim[k] * fractions.inverse_area) * plan->cost_intersection;
         for (uint32_t p = 0; p < table->count; p += KDR_LANES) {
             /* cost = traversal + sum over both sides of (face + rim x extent) x primitives */
             kdr_lanes_f plane = kdr_lanes_load(table->plane[k] + p);
             kdr_lanes_f n_left = population(kdr_lanes_load_u(table->left[k] + p) & set);
             kdr_lanes_f n_right = population(kdr_lanes_load_u(table->right[k] + p) & set);
             kdr_lanes_f cost = (face + rim * (plane - lo)) * n_left + (face + rim * (hi - plane)) * n_right;
+            cost = reward_empty(cost, n_left, n_right, plan->empty_bonus);
             kdr_lane_bits inside = kdr_lanes_less(lo, plane) & kdr_lanes_less(plane, hi);
             kdr_lane_bits better = inside & kdr_lanes_less(cost, kdr_lanes_all(best.cost));
             if (!better)

@@ -5,29 +5,58 @@
 
 #include <inttypes.h>
 #include <locale.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define BINNED_LEAF_LIMIT 64
+#define WEIGHED_LEAF_LIMIT 64
 #define MEDIAN_LEAF_LIMIT 8 /* half a block of the widest lanes: medians never ask whether a leaf would do */
+#define SWEEP_BONUS 0.8f    /* as in the thesis */
+#define CLUSTER_COUNT 8
 #define COST_LIMIT 1e6
 #define WORD_SIZE 48 /* bytes of the longest number that is read, with its end */
 
 kdr_build_def kdr_default_build_def(void) {
-    return (kdr_build_def){
-        .size = sizeof(kdr_build_def), .cost_traversal = 16, .cost_intersection = 1, .reference_limit = 4};
+    return (kdr_build_def){.size = sizeof(kdr_build_def),
+                           .events = KDR_EVENTS_TWO,
+                           .cost_traversal = 16,
+                           .cost_intersection = 1,
+                           .reference_limit = 4};
 }
+
+static bool weighs_planes(kdr_split_rule split) { return split == KDR_SPLIT_BINNED || split == KDR_SPLIT_SWEEP; }
 
 /* Comparisons are written so that NaN is wrong. */
 const char *kdr_build_def_problem(const kdr_build_def *def) {
     if (def->size != sizeof(kdr_build_def))
         return "the build def was not made by kdr_default_build_def";
-    if ((unsigned)def->split > KDR_SPLIT_OBJECT)
+    bool weighs = weighs_planes(def->split), sweep = def->split == KDR_SPLIT_SWEEP;
+    if ((unsigned)def->split > KDR_SPLIT_SWEEP)
         return "split must be one of kdr_split_rule";
     if ((unsigned)def->axis > KDR_AXIS_ROBIN)
         return "axis must be one of kdr_axis_rule";
+    if ((unsigned)def->order > KDR_ORDER_BREADTH_FIRST)
+        return "order must be one of kdr_order_rule";
+    if ((unsigned)def->share > KDR_SHARE_CLUSTER)
+        return "share must be one of kdr_share_rule";
+    if (def->share == KDR_SHARE_NONE && def->share_count != 0)
+        return "share_count must be 0 where there are no regions";
+    if (def->share != KDR_SHARE_NONE && (def->share_count < 1 || def->share_count > KDR_MAX_SHARE_COUNT))
+        return "share_count must be from 1 to 1024";
+    if (def->events != KDR_EVENTS_TWO && def->events != KDR_EVENTS_THREE)
+        return "events must be one of kdr_event_form";
+    if (def->events != KDR_EVENTS_TWO && !sweep)
+        return "three events are for the sweep only: split=binned, space and object have no events";
+    if ((unsigned)def->straddle > KDR_STRADDLE_CLIP)
+        return "straddle must be one of kdr_straddle_rule";
+    if (def->straddle == KDR_STRADDLE_CLIP && !sweep)
+        return "only the sweep clips triangles: straddle=clip goes with split=sweep";
+    if (!(def->empty_bonus >= 0 && def->empty_bonus <= 1))
+        return "empty_bonus must be over 0 and at most 1, or 0 for the default";
+    if (def->empty_bonus != 0 && def->empty_bonus != 1 && !weighs)
+        return "empty-bonus is a constant of the heuristic, which split=space and object do not ask";
     if (!(def->cost_traversal > 0 && (double)def->cost_traversal <= COST_LIMIT))
         return "cost_traversal must be over 0 and at most 1,000,000";
     if (!(def->cost_intersection > 0 && (double)def->cost_intersection <= COST_LIMIT))
@@ -40,18 +69,27 @@ const char *kdr_build_def_problem(const kdr_build_def *def) {
 }
 
 kdr_plan kdr_plan_of(const kdr_build_def *def) {
-    bool binned = def->split == KDR_SPLIT_BINNED;
+    bool weighs = weighs_planes(def->split);
     kdr_plan plan = {.split = def->split,
                      .axis = def->axis,
+                     .order = def->order,
+                     .share = def->share,
+                     .share_count = def->share_count,
+                     .events = def->events,
+                     .straddle = def->straddle,
+                     .retract = def->retract,
+                     .empty_bonus = def->empty_bonus,
                      .cost_traversal = def->cost_traversal,
                      .cost_intersection = def->cost_intersection,
                      .leaf_limit = def->leaf_limit,
                      .depth_limit = def->depth_limit,
                      .reference_limit = def->reference_limit};
     if (plan.axis == KDR_AXIS_DEFAULT)
-        plan.axis = binned ? KDR_AXIS_BEST : KDR_AXIS_LONGEST;
+        plan.axis = weighs ? KDR_AXIS_BEST : KDR_AXIS_LONGEST;
     if (plan.leaf_limit == 0)
-        plan.leaf_limit = binned ? BINNED_LEAF_LIMIT : MEDIAN_LEAF_LIMIT;
+        plan.leaf_limit = weighs ? WEIGHED_LEAF_LIMIT : MEDIAN_LEAF_LIMIT;
+    if (plan.empty_bonus == 0)
+        plan.empty_bonus = def->split == KDR_SPLIT_SWEEP ? SWEEP_BONUS : 1;
     return plan;
 }
 
@@ -61,11 +99,16 @@ typedef struct key_choice {
     int count;
 } key_choice;
 
-static const char *const split_names[] = {"binned", "space", "object"};
+static const char *const split_names[] = {"binned", "space", "object", "sweep"};
 static const char *const axis_names[] = {"", "best", "longest", "robin"};
+static const char *const order_names[] = {"dfs", "bfs"};
+static const char *const share_names[] = {"none", "serial", "line", "grid", "cluster"};
+static const char *const event_names[] = {"", "", "2", "3"};
+static const char *const straddle_names[] = {"general", "clip"};
+static const char *const bool_names[] = {"no", "yes"};
 
 /* How a key's value is held in a def: as a word of a list, a whole number or a real one. */
-typedef enum key_kind { KEY_CHOICE, KEY_WHOLE, KEY_REAL } key_kind;
+typedef enum key_kind { KEY_CHOICE, KEY_SHARE, KEY_WHOLE, KEY_REAL, KEY_BOOL } key_kind;
 
 typedef struct plan_key {
     const char *name, *allowed; /* allowed: as it follows "expected" */
@@ -79,19 +122,63 @@ typedef struct plan_key {
 
 static const plan_key keys[] = {
     {.name = "split",
-     .allowed = "binned, space or object",
-     .text = "binned|space|object, default binned: where the surface area heuristic says, the middle of the cell, "
-             "or the median of the primitives",
+     .allowed = "binned, space, object or sweep",
+     .text = "binned|space|object|sweep, default binned: where the surface area heuristic says, by bins; the middle of "
+             "the cell; the median of the primitives; the heuristic exactly, by sorted events",
      .offset = offsetof(kdr_build_def, split),
      .kind = KEY_CHOICE,
-     .choice = {split_names, 3}},
+     .choice = {split_names, 4}},
     {.name = "axis",
      .allowed = "best, longest or robin",
-     .text = "best|longest|robin, default best for binned, longest for space and object: the axis that costs least, "
+     .text = "best|longest|robin, default best for binned and sweep, longest for space and object: the axis that costs "
+             "least, "
              "the longest of the cell, or each in turn",
      .offset = offsetof(kdr_build_def, axis),
      .kind = KEY_CHOICE,
      .choice = {axis_names, 4}},
+    {.name = "order",
+     .allowed = "dfs or bfs",
+     .text = "dfs|bfs, default dfs: open nodes depth first or breadth first; the tree is the same",
+     .offset = offsetof(kdr_build_def, order),
+     .kind = KEY_CHOICE,
+     .choice = {order_names, 2}},
+    {.name = "share",
+     .allowed = "none, serial/N, line/N, grid/N or cluster/N with N from 1 to 1024",
+     .text = "none|serial/N|line/N|grid/N|cluster[/N], default none, cluster is cluster/8: divide the scene into N "
+             "regions first, by one worker, in slices, in boxes, or in slices that are then handed around",
+     .offset = offsetof(kdr_build_def, share),
+     .kind = KEY_SHARE,
+     .choice = {share_names, 5},
+     .min = 1,
+     .max = KDR_MAX_SHARE_COUNT},
+    {.name = "events",
+     .allowed = "2 or 3",
+     .text = "2|3, default 2: events of the sweep: begin and end, or lying in a plane as well",
+     .offset = offsetof(kdr_build_def, events),
+     .kind = KEY_CHOICE,
+     .choice = {event_names, 4}},
+    {.name = "straddle",
+     .allowed = "general or clip",
+     .text = "general|clip, default general: cut the boxes of triangles on both sides of a plane, or, for sweep, the "
+             "triangles",
+     .offset = offsetof(kdr_build_def, straddle),
+     .kind = KEY_CHOICE,
+     .choice = {straddle_names, 2}},
+    {.name = "retract",
+     .allowed = "no or yes",
+     .text = "no|yes, default no: take back splits that did not pay, once the tree is built",
+     .offset = offsetof(kdr_build_def, retract),
+     .kind = KEY_BOOL,
+     .choice = {bool_names, 2}},
+    {.name = "empty-bonus",
+     .allowed = "a number above 0 and at most 1",
+     .text =
+         "above 0 to 1, default 0.8 for sweep, 1 for the others: factor of the cost of triangles where a plane cuts "
+         "off empty space",
+     .offset = offsetof(kdr_build_def, empty_bonus),
+     .kind = KEY_REAL,
+     .max = 1,
+     .above_min = true},
     {.name = "traversal-cost",
      .allowed = "a number above 0 and at most 1e+06",
      .text = "above 0 to 1e+06, default 16: cost of a step through an interior node",
@@ -108,7 +195,8 @@ static const plan_key keys[] = {
      .above_min = true},
     {.name = "leaf-limit",
      .allowed = "a whole number from 1 to 4294967295",
-     .text = "1 to 4294967295, default 64 for binned, 8 for space and object: split every leaf of more triangles",
+     .text =
+         "1 to 4294967295, default 64 for binned and sweep, 8 for space and object: split every leaf of more triangles",
      .offset = offsetof(kdr_build_def, leaf_limit),
      .kind = KEY_WHOLE,
      .min = 1,
@@ -130,7 +218,9 @@ static const plan_key keys[] = {
 enum { KEY_COUNT = sizeof keys / sizeof keys[0] };
 
 /* Choices are enums, whole numbers are uint32_t: all are read and written as four bytes. */
-_Static_assert(sizeof(kdr_split_rule) == 4 && sizeof(kdr_axis_rule) == 4 && sizeof(float) == 4, "values of four bytes");
+_Static_assert(sizeof(kdr_split_rule) == 4 && sizeof(kdr_share_rule) == 4 && sizeof(float) == 4,
+               "values of four bytes");
+_Static_assert(offsetof(kdr_build_def, share_count) == offsetof(kdr_build_def, share) + 4, "a share and its number");
 
 const char *kdr_build_def_key_name(size_t i) { return i < KEY_COUNT ? keys[i].name : NULL; }
 
@@ -175,26 +265,47 @@ static bool read_number(const char *text, size_t length, const char *letters, do
     return *stop == 0;
 }
 
-static bool read_value(const plan_key *key, const char *text, size_t length, kdr_build_def *def) {
-    void *to = (char *)def + key->offset;
-    if (key->kind == KEY_CHOICE) {
-        for (int i = 0; i < key->choice.count; i++) {
-            if (length > 0 && strlen(key->choice.names[i]) == length &&
-                memcmp(key->choice.names[i], text, length) == 0) {
-                memcpy(to, &i, sizeof i);
-                return true;
-            }
-        }
-        return false;
-    }
+/* The number of a word of a list, or -1. */
+static int find_word(const key_choice *choice, const char *text, size_t length) {
+    for (int i = 0; i < choice->count; i++)
+        if (length > 0 && strlen(choice->names[i]) == length && memcmp(choice->names[i], text, length) == 0)
+            return i;
+    return -1;
+}
+
+static bool read_whole(const plan_key *key, const char *text, size_t length, uint32_t *out) {
     double value;
-    if (!read_number(text, length, key->kind == KEY_WHOLE ? "0123456789" : "0123456789+-.eE", &value))
+    if (!read_number(text, length, "0123456789", &value) || !(value >= key->min && value <= key->max))
         return false;
-    if (key->kind == KEY_WHOLE) {
-        uint32_t whole = value >= key->min && value <= key->max ? (uint32_t)value : 0;
-        memcpy(to, &whole, sizeof whole);
-        return value >= key->min && value <= key->max;
+    *out = (uint32_t)value;
+    return true;
+}
+
+/* A word, and a number of regions where it takes one. */
+static bool read_share(const plan_key *key, const char *text, size_t length, char *to) {
+    const char *slash = memchr(text, '/', length);
+    int word = find_word(&key->choice, text, slash ? (size_t)(slash - text) : length);
+    uint32_t regions = word == KDR_SHARE_CLUSTER ? CLUSTER_COUNT : 0;
+    if (slash && !read_whole(key, slash + 1, length - (size_t)(slash + 1 - text), &regions))
+        return false;
+    memcpy(to, &word, sizeof word);
+    memcpy(to + 4, &regions, sizeof regions);
+    return word >= 0 && (word == KDR_SHARE_NONE) == (regions == 0);
+}
+
+static bool read_value(const plan_key *key, const char *text, size_t length, kdr_build_def *def) {
+    char *to = (char *)def + key->offset;
+    double value;
+    int word = find_word(&key->choice, text, length);
+    switch (key->kind) {
+    case KEY_CHOICE: memcpy(to, &word, sizeof word); return word >= 0;
+    case KEY_BOOL: *(bool *)to = word > 0; return word >= 0;
+    case KEY_SHARE: return read_share(key, text, length, to);
+    case KEY_WHOLE: return read_whole(key, text, length, (uint32_t *)(void *)to);
+    case KEY_REAL: break;
     }
+    if (!read_number(text, length, "0123456789+-.eE", &value))
+        return false;
     /* Rounding must not lead out of the range either. */
     float real = value <= key->max ? (float)value : INFINITY;
     memcpy(to, &real, sizeof real);
@@ -209,7 +320,7 @@ static const plan_key *find_key(const char *name, size_t length) {
 }
 
 static void complain_of_key(char *problem, size_t size, const char *word, int length) {
-    char names[160] = "";
+    char names[240] = "";
     size_t used = 0;
     for (size_t i = 0; i < KEY_COUNT; i++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%s",
@@ -265,6 +376,11 @@ kdr_status kdr_build_def_parse(const char *text, kdr_build_def *out, char *probl
     leave_plain_locale(before, plain);
     if (!parsed)
         return KDR_ERROR_INVALID_ARGUMENT;
+    const char *wrong = kdr_build_def_problem(&def);
+    if (wrong) {
+        complain(problem, problem_size, "%s", wrong);
+        return KDR_ERROR_INVALID_ARGUMENT;
+    }
     *out = def;
     return KDR_OK;
 }
@@ -279,13 +395,18 @@ static void print_real(float value, char *out, size_t size) {
 }
 
 static void print_value(const plan_key *key, const kdr_build_def *def, char *out, size_t size) {
-    const void *from = (const char *)def + key->offset;
-    uint32_t whole;
+    const char *from = (const char *)def + key->offset;
+    uint32_t whole, regions;
     float real;
     memcpy(&whole, from, sizeof whole);
+    memcpy(&regions, from + 4, sizeof regions);
     memcpy(&real, from, sizeof real);
     switch (key->kind) {
     case KEY_CHOICE: snprintf(out, size, "%s", key->choice.names[whole]); break;
+    case KEY_BOOL: snprintf(out, size, "%s", key->choice.names[*(const bool *)from]); break;
+    case KEY_SHARE:
+        snprintf(out, size, whole == KDR_SHARE_NONE ? "%s" : "%s/%" PRIu32, key->choice.names[whole], regions);
+        break;
     case KEY_WHOLE: snprintf(out, size, "%" PRIu32, whole); break;
     case KEY_REAL: print_real(real, out, size); break;
     }
@@ -298,6 +419,7 @@ kdr_status kdr_build_def_print(const kdr_build_def *def, char *text, size_t size
     kdr_build_def resolved = *def;
     resolved.axis = plan.axis;
     resolved.leaf_limit = plan.leaf_limit;
+    resolved.empty_bonus = plan.empty_bonus;
 
     char made[KDR_PLAN_TEXT_SIZE];
     size_t used = 0;
