@@ -147,6 +147,11 @@ static uint32_t make_tasks(kdr_build_state *state, const kdr_build_task *root, u
     kdr_arena *arena = &state->shop->workers[0].arena;
     uint32_t ranges = root->references.count / ASSIGN_GRAIN + 1, *counts;
     assigning a = {.from = &root->references, .regions = regions};
+
+    /* Cuts halve the number of regions, so it bounds the depth of the planes. */
+    uint32_t levels = state->plan.depth_limit - root->depth;
+    if (levels < 31 && count > 1u << levels)
+        count = 1u << levels;
     counts = kdr_arena_get(arena, KDR_MAX_REGIONS * sizeof *counts);
     a.places = kdr_arena_get(arena, (size_t)ranges * count * sizeof *a.places);
     if (!counts || !a.places) {
