@@ -19,9 +19,9 @@
 
 /* Each kind of soup takes one plan of so many, another one each time: together they take all. */
 #ifdef TEST_SLOW
-#define TURNS 16
+#define TURNS 24
 #else
-#define TURNS 1
+#define TURNS 6
 #endif
 
 static const uint32_t crew_sizes[] = {1, 2, 7};
@@ -123,9 +123,9 @@ static void large_scenes_have_one_tree_whatever_the_order_and_the_workers(void *
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         test_random random = test_random_start(test_random_seed(), 100 + i);
         soup_scene soup = soup_scene_create_kind(&random, soup_kind_find(kinds[i]), TEST_SIZE(70000));
-        for (size_t share = i; share < share_row_count; share += 3) {
+        for (size_t share = i; share < share_row_count; share += 5) {
             char text[PLAN_ROW_TEXT];
-            const char *split = split_rows[share / 3 % split_row_count];
+            const char *split = split_rows[share / 5 % split_row_count];
             kdr_build_def def = plan_of_words(text, split, "", share_rows[share], order_rows[0]);
             uint64_t hash = hash_of(on.of[0], &soup, &def);
             hold_orders_and_workers_equal(&on, &soup, split, "", share_rows[share], hash, kinds[i]);
@@ -143,11 +143,13 @@ static void one_region_is_the_tree_without_regions_and_more_of_them_are_another_
     for (size_t split = 0; split < split_row_count; split++) {
         char text[PLAN_ROW_TEXT];
         kdr_build_def def = plan_of_words(text, split_rows[split], "", "", "");
+        bool middle = def.split == KDR_SPLIT_SPACE; // where a region may be cut as well
         uint64_t none = hash_of(on.of[0], &soup, &def);
         for (size_t share = 1; share < share_row_count; share++) {
             def = plan_of_words(text, split_rows[split], "", share_rows[share], "");
-            if ((hash_of(on.of[0], &soup, &def) == none) != (def.share_count == 1))
-                fail_msg("%s: %s", text, def.share_count == 1 ? "one region is another tree" : "regions do nothing");
+            bool same = hash_of(on.of[0], &soup, &def) == none;
+            if (def.share_count == 1 ? !same : same && !middle)
+                fail_msg("%s: %s", text, same ? "regions do nothing" : "one region is another tree");
         }
     }
     soup_scene_destroy(&soup);
