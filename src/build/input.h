@@ -23,6 +23,9 @@ typedef struct kdr_input {
     uint32_t (*boxes)(const void *context, uint32_t begin, uint32_t end, const kdr_references *to, uint32_t at,
                       kdr_box *bounds, kdr_input_counts *counts);
 
+    /* The corners of a primitive that is a triangle; NULL where they are not. */
+    void (*corners)(const void *context, uint32_t primitive, float corners[3][3]);
+
     /* Fills the block of a leaf. */
     void (*fill)(const void *context, float *blocks, kdr_node leaf, const uint32_t *primitives);
 } kdr_input;
