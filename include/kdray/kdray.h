@@ -240,6 +240,8 @@ typedef struct kdr_build_def {
     kdr_event_form events;      /* sweep only */
     kdr_straddle_rule straddle; /* CLIP: sweep only */
     bool retract;               /* take back splits that did not pay, once the tree is built */
+    float box_weight;           /* sweep: how much of a plane's cost goes by the bounds of what lies on its two sides,
+                                   which the wide tree shows to rays, instead of the two parts of the cell; 0 to 1 */
     float empty_bonus;          /* factor of the cost of triangle tests where a plane leaves one side empty: over 0, at
                                    most 1; binned and sweep only. 0: 0.8 for sweep, 1 for binned */
     float cost_traversal;       /* of one step through an interior node; > 0 */
@@ -253,6 +255,15 @@ typedef struct kdr_build_def {
 #define KDR_MAX_DEPTH 60
 
 KDR_API kdr_build_def kdr_default_build_def(void);
+
+/* Plans made up for a purpose. */
+typedef enum kdr_quality {
+    KDR_QUALITY_FAST, /* the default: for a tree that is built again for every frame */
+    KDR_QUALITY_BEST, /* for a tree that is built once: the sweep with triangles cut at planes, and splits taken back */
+} kdr_quality;
+
+/* The plan for a purpose, to be changed as needed. A value that is no kdr_quality means the default. */
+KDR_API kdr_build_def kdr_quality_build_def(kdr_quality quality);
 
 /* A plan as text: words KEY=VALUE with spaces between them, such as "split=object leaf-limit=4". Reads it into *out; a
  * key that is left out has its default. On failure *out is left alone and `problem`, unless its size is 0, gets one

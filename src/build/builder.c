@@ -146,6 +146,10 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
 
     kdr_box bounds = root.box;
     status = open_root(&state, &root);
+    if (status == KDR_OK && plan->retract) {
+        kdr_build_retract(&state, &bounds);
+        status = (kdr_status)atomic_load(&state.status);
+    }
     if (status != KDR_OK)
         return status;
     kdr_tree made = {.bounds = bounds,
