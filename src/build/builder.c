@@ -158,7 +158,8 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
                      .degenerate_count = counts->degenerate,
                      .cost_traversal = plan->cost_traversal,
                      .cost_intersection = plan->cost_intersection,
-                     .depth_limit = state.plan.depth_limit};
+                     .depth_limit = state.plan.depth_limit,
+                     .clipped = plan->straddle == KDR_STRADDLE_CLIP};
     status = kdr_build_layout(&state, &made);
     if (status == KDR_OK)
         *tree = made;

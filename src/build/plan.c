@@ -7,7 +7,6 @@
 #define MEDIAN_LEAF_LIMIT 8 /* half a block of the widest lanes: medians never ask whether a leaf would do */
 #define SWEEP_BONUS 0.8f    /* as in the thesis */
 
-
 kdr_build_def kdr_default_build_def(void) {
     return (kdr_build_def){.size = sizeof(kdr_build_def),
                            .events = KDR_EVENTS_TWO,

@@ -100,8 +100,9 @@ static const plan_key keys[] = {
      .choice = {bool_names, 2}},
     {.name = "box-weight",
      .allowed = "a number from 0 to 1",
-     .text = "0 to 1, default 0: how much of a plane's cost goes by the bounds of what lies beside it instead of by the "
-             "parts of the cell; for sweep",
+     .text =
+         "0 to 1, default 0: how much of a plane's cost goes by the bounds of what lies beside it instead of by the "
+         "parts of the cell; for sweep",
      .offset = offsetof(kdr_build_def, box_weight),
      .kind = KEY_REAL,
      .max = 1},

@@ -1,8 +1,8 @@
 /* Splits that did not pay are taken back.
  *
- * A plane is chosen as if its two sides became leaves. Once they are subtrees, their true cost is known: from the leaves
- * up, a subtree that costs no less than one leaf of all its primitives becomes that leaf. Only what could be a leaf at
- * all is looked at: subtrees of few primitives. Areas are those by which the planes were weighed.
+ * A plane is chosen as if its two sides became leaves. Once they are subtrees, their true cost is known: from the
+ * leaves up, a subtree that costs no less than one leaf of all its primitives becomes that leaf. Only what could be a
+ * leaf at all is looked at: subtrees of few primitives. Areas are those by which the planes were weighed.
  *
  * Sources: A. Soupikov, M. Shevtsov, A. Kapustin, "Improving Kd-tree Quality at a Reasonable Construction Cost", 2008;
  * W. Jakob, "Mitsuba renderer", 2010, for retraction as a rule of a builder.
@@ -19,7 +19,7 @@ typedef struct retracting {
 /* What is known of a subtree. */
 typedef struct subtree {
     double cost;
-    kdr_box box; /* of what lies in it */
+    kdr_box box;    /* of what lies in it */
     uint32_t count; /* of its primitives, ascending in ids; MOST + 1: more */
     uint32_t ids[MOST];
 } subtree;

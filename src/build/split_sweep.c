@@ -1,18 +1,18 @@
 /* The surface area heuristic exactly, by a sweep over sorted events.
  *
- * On each axis the cost of every plane at which a box begins or ends follows from the counts on its two sides, which change
- * from one event to the next. Ends at a position leave the right side before its plane is weighed, begins join the left
- * side after. What lies in the plane is tried on both sides (three events); or nothing does, since boxes without extent
- * are widened (two events).
+ * On each axis the cost of every plane at which a box begins or ends follows from the counts on its two sides, which
+ * change from one event to the next. Ends at a position leave the right side before its plane is weighed, begins join
+ * the left side after. What lies in the plane is tried on both sides (three events); or nothing does, since boxes
+ * without extent are widened (two events).
  *
  * Areas are those of the two parts of the cell, as a ray sees them that walks the kd-tree. The wide tree shows rays the
- * bounds of what lies in each part instead: box_weight says how much of the cost goes by these. They are gathered by two
- * sweeps more, in nodes that are not large; at the top, where they cost most, they tell little.
+ * bounds of what lies in each part instead: box_weight says how much of the cost goes by these. They are gathered by
+ * two sweeps more, in nodes that are not large; at the top, where they cost most, they tell little.
  *
  * Sources: I. Wald, V. Havran, "On building fast kd-trees for ray tracing, and on doing that in O(N log N)", 2006;
- * "Parallel KD Tree Acceleration Structures for Ray Tracing on Multi-Core Processor", thesis, 2009, sections 3.1 and 4.1;
- * M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits in Bounding Volume Hierarchies", 2009, for bounds by sweeps.
- * Cost: O(N) a node on each axis, some 4 ns an event; events are never sorted again (events.c). */
+ * "Parallel KD Tree Acceleration Structures for Ray Tracing on Multi-Core Processor", thesis, 2009, sections 3.1
+ * and 4.1; M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits in Bounding Volume Hierarchies", 2009, for bounds by
+ * sweeps. Cost: O(N) a node on each axis, some 4 ns an event; events are never sorted again (events.c). */
 #include "build/events.h"
 #include "build/splitter.h"
 

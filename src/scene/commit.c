@@ -8,9 +8,10 @@
 static bool same_build(const kdr_plan *a, const kdr_plan *b) {
     return a->split == b->split && a->axis == b->axis && a->order == b->order && a->share == b->share &&
            a->share_count == b->share_count && a->events == b->events && a->straddle == b->straddle &&
-           a->retract == b->retract && a->empty_bonus == b->empty_bonus && a->box_weight == b->box_weight && a->cost_traversal == b->cost_traversal &&
-           a->cost_intersection == b->cost_intersection && a->leaf_limit == b->leaf_limit &&
-           a->depth_limit == b->depth_limit && a->reference_limit == b->reference_limit;
+           a->retract == b->retract && a->empty_bonus == b->empty_bonus && a->box_weight == b->box_weight &&
+           a->cost_traversal == b->cost_traversal && a->cost_intersection == b->cost_intersection &&
+           a->leaf_limit == b->leaf_limit && a->depth_limit == b->depth_limit &&
+           a->reference_limit == b->reference_limit;
 }
 
 /* Numbers the triangles of all geometries; NULL when there is no memory or the total is over the limit. */
