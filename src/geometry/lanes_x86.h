@@ -43,7 +43,7 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_packed(kdr_lane_bits bits, kdr_lanes_f v)
 }
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_load_first(const float *from, uint32_t count) {
-    return _mm512_maskz_loadu_ps((__mmask16)_bzhi_u32(0xffffu, count), from);
+    return _mm512_maskz_loadu_ps((__mmask16)_bzhi_u32(0xffffu, count < 16 ? count : 16), from);
 }
 
 /* 0, 1, 2 ... */
