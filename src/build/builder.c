@@ -182,6 +182,7 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
     if (status != KDR_OK)
         return status;
     kdr_tree made = {.bounds = bounds,
+                     .boxed = input->boxed,
                      .primitive_count = count,
                      .dropped_count = counts->dropped,
                      .degenerate_count = counts->degenerate,

@@ -1,9 +1,8 @@
 #include "tree/verify.h"
 
+#include "tree/boxed.h"
 #include "tree/unsplit.h"
 #include "tree/walk.h"
-
-#include <math.h>
 
 /* Invariants
  *   every plane lies within its cell; axes, indices and blocks are in range; no path is longer than the depth limit
@@ -20,31 +19,19 @@ static bool fail(verifying *v, const char *sentence) {
     return false;
 }
 
-static kdr_box triangle_box(const kdr_tree *tree, kdr_node leaf, uint32_t i) {
-    float t[3][3];
-    kdr_block_triangle(kdr_block_of(tree->blocks, leaf), i, t);
-    kdr_box box;
-    for (int k = 0; k < 3; k++) {
-        box.lo[k] = fminf(t[0][k], fminf(t[1][k], t[2][k]));
-        box.hi[k] = fmaxf(t[0][k], fmaxf(t[1][k], t[2][k]));
-    }
-    return box;
-}
-
 /* Looks at all of a small leaf, whose primitives may be two runs in ascending order; searches a large one. */
 static bool leaf_holds(const kdr_tree *tree, kdr_node leaf, uint32_t primitive) {
     uint32_t lo = 0, hi = kdr_node_count(leaf);
-    kdr_block block = kdr_block_of(tree->blocks, leaf);
     while (hi > KDR_UNSPLIT_LIMIT && lo < hi) {
         uint32_t middle = lo + (hi - lo) / 2;
-        if (kdr_block_primitive(block, middle) < primitive)
+        if (kdr_leaf_primitive(tree, leaf, middle) < primitive)
             lo = middle + 1;
         else
             hi = middle;
     }
-    while (lo < hi && kdr_block_primitive(block, lo) != primitive)
+    while (lo < hi && kdr_leaf_primitive(tree, leaf, lo) != primitive)
         lo++;
-    return lo < kdr_node_count(leaf) && kdr_block_primitive(block, lo) == primitive;
+    return lo < kdr_node_count(leaf) && kdr_leaf_primitive(tree, leaf, lo) == primitive;
 }
 
 /* True if the primitive is wherever it must be below this node. *first becomes the first leaf that holds it. */
@@ -71,14 +58,14 @@ static bool reaches(const kdr_tree *tree, uint32_t index, uint32_t primitive, co
 static bool verify_leaf(const kdr_tree *tree, const kdr_walk *at, verifying *v) {
     kdr_node node = tree->nodes[at->node];
     uint32_t count = kdr_node_count(node);
-    if (count > 0 && (uint64_t)kdr_node_first(node) + kdr_block_groups(count) > tree->group_count)
+    if (count > 0 && (uint64_t)kdr_node_first(node) + kdr_leaf_groups(tree->boxed, count) > tree->group_count)
         return fail(v, "a leaf's block lies outside the blocks");
-    int runs = count <= KDR_UNSPLIT_LIMIT ? 2 : 1;
+    int runs = !tree->boxed && count <= KDR_UNSPLIT_LIMIT ? 2 : 1;
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t primitive = kdr_block_primitive(kdr_block_of(tree->blocks, node), i);
-        if (i > 0 && primitive <= kdr_block_primitive(kdr_block_of(tree->blocks, node), i - 1) && --runs == 0)
+        uint32_t primitive = kdr_leaf_primitive(tree, node, i);
+        if (i > 0 && primitive <= kdr_leaf_primitive(tree, node, i - 1) && --runs == 0)
             return fail(v, "the primitives of a leaf are not in ascending order");
-        kdr_box box = triangle_box(tree, node, i);
+        kdr_box box = kdr_leaf_box(tree, node, i);
         for (int k = 0; k < 3; k++)
             if (!(box.lo[k] <= at->cell.hi[k] && box.hi[k] >= at->cell.lo[k]))
                 return fail(v, "a leaf holds a primitive whose box does not meet its cell");
