@@ -95,6 +95,7 @@ static void every_plan_answers_as_brute_force_with_and_without_triangles(void **
     assert_true(plan_count >= 6);
     kdr_device *device = device_of(1);
     static const float sizes[] = {0.01f, 0.1f, 2};
+    size_t hits = 0, custom_hits = 0;
     for (int i = 0; i < 6; i++) {
         test_random random = test_random_start(test_random_seed(), (uint64_t)i);
         mixed m;
@@ -102,6 +103,10 @@ static void every_plan_answers_as_brute_force_with_and_without_triangles(void **
         kdr_ray *rays = test_allocate(RAYS, sizeof *rays);
         kdr_ray_hit *expected = test_allocate(RAYS, sizeof *expected);
         ask_brute_force(&m.scene, &random, rays, expected, RAYS);
+        for (size_t j = 0; j < RAYS; j++) {
+            hits += expected[j].hit.geometry != KDR_INVALID_ID;
+            custom_hits += expected[j].hit.geometry != KDR_INVALID_ID && expected[j].hit.geometry % 3 == 0;
+        }
         for (size_t plan = 0; plan < plan_count; plan++) {
             char label[100];
             snprintf(label, sizeof label, "scene %d, split %d, leaf limit %u", i, (int)plans[plan].split,
@@ -115,6 +120,7 @@ static void every_plan_answers_as_brute_force_with_and_without_triangles(void **
         free(expected);
         mixed_close(&m);
     }
+    assert_true(hits > 2 * RAYS && custom_hits > RAYS && custom_hits < hits);
     kdr_device_destroy(device);
 }
 

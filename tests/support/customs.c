@@ -34,12 +34,17 @@ static bool first_inside(const kdr_ray *ray, double near, double far, float *t) 
     return *t > ray->tmin && *t <= ray->tmax;
 }
 
-/* Doubles cancel where a ray comes from very far, or hardly moves: such rays hit no sphere. */
-static bool meet_sphere(const custom_shape *shape, const double o[3], const double d[3], double *near, double *far) {
+/* Doubles cancel where a ray comes from very far, or hardly moves. */
+static bool is_tame(const double o[3], const double d[3]) {
     for (int k = 0; k < 3; k++)
         if (fabs(o[k]) > 100 || fabs(d[k]) > 100)
             return false;
-    if (fabs(d[0]) + fabs(d[1]) + fabs(d[2]) < 0.01)
+    return fabs(d[0]) + fabs(d[1]) + fabs(d[2]) > 0.01;
+}
+
+/* Rays that are not tame hit no sphere. */
+static bool meet_sphere(const custom_shape *shape, const double o[3], const double d[3], double *near, double *far) {
+    if (!is_tame(o, d))
         return false;
     double a = 0, b = 0, c = -(double)shape->size[0] * shape->size[0];
     for (int k = 0; k < 3; k++) {
@@ -89,7 +94,7 @@ static bool shape_meet(const custom_shape *shape, const kdr_ray *ray, kdr_custom
     return true;
 }
 
-/* True if the ray comes nowhere near the box: no tree should ask for it. */
+/* True if the ray, a tame one, comes nowhere near the box: no tree should ask for it. */
 static bool is_stray(const custom_shape *shape, const kdr_ray *ray) {
     float lo[3], hi[3];
     shape_bounds(shape, lo, hi);
@@ -101,6 +106,8 @@ static bool is_stray(const custom_shape *shape, const kdr_ray *ray) {
     const double o[3] = {ray->origin_x, ray->origin_y, ray->origin_z};
     const double d[3] = {ray->direction_x, ray->direction_y, ray->direction_z};
     double near, far;
+    if (!is_tame(o, d))
+        return false;
     if (!meet_box(&wide, o, d, &near, &far))
         return true;
     return near > (double)ray->tmax * (1 + 1e-3) + 1e-3 ||

@@ -25,7 +25,7 @@ typedef struct custom_shapes {
     custom_shape *shapes;
     uint32_t count;
     _Atomic uint64_t bounds_calls, intersect_calls, occluded_calls;
-    _Atomic uint64_t strays; /* calls for a ray that passes the box by */
+    _Atomic uint64_t strays; /* calls for a ray that surely passes the box by */
 } custom_shapes;
 
 /* A def of these shapes; occluded is left NULL unless asked for. */
