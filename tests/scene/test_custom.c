@@ -10,13 +10,15 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
-#define RAYS TEST_SIZE(600)
+#define RAYS TEST_SIZE(300)
 #define SHAPES TEST_SIZE(400)
-#define MANY (TEST_SIZE(40000) < 9000 ? 9000 : TEST_SIZE(40000)) /* enough for passes of more than one range */
+#define MANY TEST_SIZE(20000)
 #define MANY_RAYS TEST_SIZE(60)
+#define LARGEST (TEST_SIZE(70000) < 20000 ? 20000 : TEST_SIZE(70000)) /* several workers ask for boxes at once */
 
 static kdr_device *device_of(uint32_t workers) {
     kdr_device_def def = kdr_default_device_def();
@@ -90,9 +92,8 @@ static void mixed_close(mixed *m) {
 
 static void every_plan_answers_as_brute_force_with_and_without_triangles(void **state) {
     (void)state;
-    kdr_build_def plans[CUSTOM_PLANS];
+    custom_plan plans[CUSTOM_PLANS];
     size_t plan_count = custom_plans(plans);
-    assert_true(plan_count >= 6);
     kdr_device *device = device_of(1);
     static const float sizes[] = {0.01f, 0.1f, 2};
     size_t hits = 0, custom_hits = 0;
@@ -108,10 +109,9 @@ static void every_plan_answers_as_brute_force_with_and_without_triangles(void **
             custom_hits += expected[j].hit.geometry != KDR_INVALID_ID && expected[j].hit.geometry % 3 == 0;
         }
         for (size_t plan = 0; plan < plan_count; plan++) {
-            char label[100];
-            snprintf(label, sizeof label, "scene %d, split %d, leaf limit %u", i, (int)plans[plan].split,
-                     plans[plan].leaf_limit);
-            kdr_scene *scene = custom_scene_commit(&m.scene, device, &plans[plan]);
+            char label[120];
+            snprintf(label, sizeof label, "scene %d, %s", i, plans[plan].text);
+            kdr_scene *scene = custom_scene_commit(&m.scene, device, &plans[plan].def);
             assert_int_equal(kdr_scene_verify(scene), KDR_OK);
             assert_int_equal(custom_scene_differences(&m.scene, scene, rays, expected, RAYS, label), 0);
             kdr_scene_destroy(scene);
@@ -151,7 +151,7 @@ static void every_instruction_set_gives_the_same_tree_and_the_same_answers(void 
     mixed_close(&m);
 }
 
-static void tens_of_thousands_make_the_same_tree_for_any_number_of_workers_and_are_asked_through_it(void **state) {
+static void many_primitives_are_asked_through_the_tree_and_their_boxes_once(void **state) {
     (void)state;
     test_random random = test_random_start(test_random_seed(), 30);
     mixed m;
@@ -159,18 +159,18 @@ static void tens_of_thousands_make_the_same_tree_for_any_number_of_workers_and_a
     kdr_ray *rays = test_allocate(MANY_RAYS, sizeof *rays);
     kdr_ray_hit *expected = test_allocate(MANY_RAYS, sizeof *expected);
     ask_brute_force(&m.scene, &random, rays, expected, MANY_RAYS);
-    kdr_build_def plans[CUSTOM_PLANS];
+    custom_plan plans[CUSTOM_PLANS];
     size_t plan_count = custom_plans(plans);
     for (size_t plan = 0; plan < plan_count; plan++) {
         uint64_t hash = 0;
         for (uint32_t workers = 1; workers <= 2; workers++) {
             kdr_device *device = device_of(workers);
             uint64_t boxes = m.shapes[0].bounds_calls, asked = m.shapes[0].intersect_calls;
-            kdr_scene *scene = custom_scene_commit(&m.scene, device, &plans[plan]);
+            kdr_scene *scene = custom_scene_commit(&m.scene, device, &plans[plan].def);
             assert_int_equal(m.shapes[0].bounds_calls - boxes, MANY);
             assert_true(workers == 1 || kdr_scene_hash(scene) == hash);
             hash = kdr_scene_hash(scene);
-            assert_int_equal(custom_scene_differences(&m.scene, scene, rays, expected, MANY_RAYS, "many"), 0);
+            assert_int_equal(custom_scene_differences(&m.scene, scene, rays, expected, MANY_RAYS, plans[plan].text), 0);
             // Eight answers a ray, of which each asks few of the primitives.
             assert_true(m.shapes[0].intersect_calls - asked < (uint64_t)8 * MANY_RAYS * MANY / 50);
             kdr_scene_destroy(scene);
@@ -181,6 +181,33 @@ static void tens_of_thousands_make_the_same_tree_for_any_number_of_workers_and_a
     free(rays);
     free(expected);
     mixed_close(&m);
+}
+
+static void tens_of_thousands_make_the_same_tree_for_any_number_of_workers(void **state) {
+    (void)state;
+    static const uint32_t workers[] = {1, 2, 7};
+    test_random random = test_random_start(test_random_seed(), 60);
+    custom_shapes shapes;
+    custom_shapes_strew(&random, &shapes, LARGEST, 0.03f);
+    kdr_custom_def def = custom_shapes_def(&shapes, false);
+    custom_scene brute = {.count = 1, .customs = &def}; // never asked
+    custom_plan plans[CUSTOM_PLANS];
+    size_t plan_count = custom_plans(plans);
+    for (size_t plan = 0; plan < plan_count; plan++) {
+        if (strchr(plans[plan].text, '=') != strrchr(plans[plan].text, '='))
+            continue; // one plan a split
+        uint64_t hash = 0;
+        for (int w = 0; w < 3; w++) {
+            kdr_device *device = device_of(workers[w]);
+            kdr_scene *scene = custom_scene_commit(&brute, device, &plans[plan].def);
+            if (w > 0 && kdr_scene_hash(scene) != hash)
+                fail_msg("%s: %u workers build another tree", plans[plan].text, workers[w]);
+            hash = kdr_scene_hash(scene);
+            kdr_scene_destroy(scene);
+            kdr_device_destroy(device);
+        }
+    }
+    free(shapes.shapes);
 }
 
 /* ---- ties: squares of a lattice, each there twice as a custom primitive and twice as a pair of triangles */
@@ -243,7 +270,7 @@ static void of_equal_distances_the_lowest_geometry_wins_then_the_lowest_primitiv
     squares.vertex_count = SIDE * SIDE * SIDE * 6;
     squares.triangle_count = SIDE * SIDE * SIDE * 2;
     kdr_device *device = device_of(1);
-    kdr_build_def plans[CUSTOM_PLANS];
+    custom_plan plans[CUSTOM_PLANS];
     size_t plan_count = custom_plans(plans), by_kind[2] = {0};
     test_random random = test_random_start(test_random_seed(), 40);
     for (int order = 0; order < 8; order++) {
@@ -265,10 +292,9 @@ static void of_equal_distances_the_lowest_geometry_wins_then_the_lowest_primitiv
                 by_kind[customs[expected[i].hit.geometry].size > 0]++;
         }
         for (size_t plan = 0; plan < plan_count; plan++) {
-            char label[100];
-            snprintf(label, sizeof label, "order %d, split %d, leaf limit %u", order, (int)plans[plan].split,
-                     plans[plan].leaf_limit);
-            kdr_scene *scene = custom_scene_commit(&brute, device, &plans[plan]);
+            char label[120];
+            snprintf(label, sizeof label, "order %d, %s", order, plans[plan].text);
+            kdr_scene *scene = custom_scene_commit(&brute, device, &plans[plan].def);
             assert_int_equal(kdr_scene_verify(scene), KDR_OK);
             assert_int_equal(custom_scene_differences(&brute, scene, rays, expected, RAYS, label), 0);
             kdr_scene_destroy(scene);
@@ -323,7 +349,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_plan_answers_as_brute_force_with_and_without_triangles),
         cmocka_unit_test(every_instruction_set_gives_the_same_tree_and_the_same_answers),
-        cmocka_unit_test(tens_of_thousands_make_the_same_tree_for_any_number_of_workers_and_are_asked_through_it),
+        cmocka_unit_test(many_primitives_are_asked_through_the_tree_and_their_boxes_once),
+        cmocka_unit_test(tens_of_thousands_make_the_same_tree_for_any_number_of_workers),
         cmocka_unit_test(of_equal_distances_the_lowest_geometry_wins_then_the_lowest_primitive_of_either_kind),
         cmocka_unit_test(any_number_of_threads_may_ask_at_once),
     };

@@ -278,19 +278,46 @@ size_t custom_scene_differences(const custom_scene *scene, const kdr_scene *comm
     return differences;
 }
 
-/* A value that a plan cannot have is refused, so the loop ends behind the last split there is. */
-size_t custom_plans(kdr_build_def plans[CUSTOM_PLANS]) {
-    size_t count = 0;
-    char text[KDR_PLAN_TEXT_SIZE];
-    for (int split = 0; count + 2 <= CUSTOM_PLANS; split++) {
-        kdr_build_def def = kdr_default_build_def();
-        def.split = (kdr_split_rule)split;
-        if (kdr_build_def_print(&def, text, sizeof text) != KDR_OK)
-            break;
-        plans[count++] = def;
-        def.leaf_limit = 1;
-        def.cost_traversal = 0.01f;
-        plans[count++] = def;
+/* Adds a plan unless the library refuses it: not all words go together. */
+static void add_plan(custom_plan plans[CUSTOM_PLANS], size_t *count, const char *split, const char *rest) {
+    assert_true(*count < CUSTOM_PLANS);
+    custom_plan *plan = &plans[*count];
+    assert_true(snprintf(plan->text, sizeof plan->text, "split=%s %s", split, rest) < (int)sizeof plan->text);
+    *count += kdr_build_def_parse(plan->text, &plan->def, NULL, 0) == KDR_OK;
+}
+
+/* Word number i of a key whose text begins with a list such as "one|two|three/N, default one". A number is 5. */
+static bool key_word(size_t key, size_t i, char word[32]) {
+    const char *at = kdr_build_def_key_text(key), *end = at + strcspn(at, ",");
+    if (!memchr(at, '|', (size_t)(end - at)))
+        return false;
+    for (; i > 0; i--) {
+        at = memchr(at, '|', (size_t)(end - at));
+        if (!at++)
+            return false;
     }
+    size_t length = strcspn(at, "|,/[");
+    assert_true(length < 24);
+    memcpy(word, at, length);
+    strcpy(word + length, at[length] == '/' ? "/5" : "");
+    return true;
+}
+
+size_t custom_plans(custom_plan plans[CUSTOM_PLANS]) {
+    size_t count = 0, split_key = 0;
+    while (strcmp(kdr_build_def_key_name(split_key), "split") != 0)
+        split_key++;
+    char split[32], word[32], rest[64];
+    for (size_t s = 0; key_word(split_key, s, split); s++) {
+        add_plan(plans, &count, split, "");
+        add_plan(plans, &count, split, "leaf-limit=1 traversal-cost=0.01");
+        for (size_t key = 0; kdr_build_def_key_name(key); key++) {
+            for (size_t w = 0; key != split_key && key_word(key, w, word); w++) {
+                snprintf(rest, sizeof rest, "%s=%s", kdr_build_def_key_name(key), word);
+                add_plan(plans, &count, split, rest);
+            }
+        }
+    }
+    assert_true(count >= 6);
     return count;
 }

@@ -57,8 +57,15 @@ kdr_ray_hit custom_scene_closest(const custom_scene *scene, const kdr_ray *ray);
 size_t custom_scene_differences(const custom_scene *scene, const kdr_scene *committed, const kdr_ray *rays,
                                 const kdr_ray_hit *expected, size_t count, const char *label);
 
-/* Defs with every value of split, as it is or with leaves as small as can be; returns how many there are. */
-#define CUSTOM_PLANS 32
-size_t custom_plans(kdr_build_def plans[CUSTOM_PLANS]);
+/* A plan with its words. */
+typedef struct custom_plan {
+    kdr_build_def def;
+    char text[96];
+} custom_plan;
+
+/* Plans with every word that the library lists: each split by itself, with leaves as small as can be, and with each
+ * word of the other keys that goes with it. Returns how many there are. */
+#define CUSTOM_PLANS 192
+size_t custom_plans(custom_plan plans[CUSTOM_PLANS]);
 
 #endif
