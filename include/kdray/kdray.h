@@ -252,7 +252,7 @@ typedef struct kdr_build_def {
     kdr_split_rule split;
     kdr_axis_rule axis;
     float cost_traversal;    /* of one step through an interior node; > 0 */
-    float cost_intersection; /* of one primitive; > 0 */
+    float cost_intersection; /* of one triangle test; > 0 */
     uint32_t leaf_limit;     /* more primitives than this are split even where the heuristic would not; space, object:
                                 no more than this are never split. 0: 64 for binned, 8 for the others */
     uint32_t depth_limit;    /* 0: 8 + 1.3 log2(primitives); at most KDR_MAX_DEPTH */

@@ -24,7 +24,7 @@ typedef struct kdr_input {
     uint32_t (*boxes)(const void *context, uint32_t begin, uint32_t end, const kdr_references *to, uint32_t at,
                       kdr_box *bounds, kdr_input_counts *counts);
 
-    /* Fills the block or the entries of a leaf. */
+    /* Fills the block of a leaf. */
     void (*fill)(const void *context, float *blocks, kdr_node leaf, const uint32_t *primitives);
 } kdr_input;
 
