@@ -16,7 +16,7 @@
 
 #define RAYS TEST_SIZE(300)
 #define SHAPES TEST_SIZE(400)
-#define MANY TEST_SIZE(10000)
+#define MANY TEST_SIZE(5000)
 #define MANY_RAYS TEST_SIZE(60)
 #define LARGEST (TEST_SIZE(70000) < 20000 ? 20000 : TEST_SIZE(70000)) /* several workers ask for boxes at once */
 
