@@ -84,7 +84,7 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
                                kdr_status_text(status));
     }
     kdr_customs *customs;
-    status = kdr_customs_create(device, scene->customs, scene->geometry_count, &plan, &customs);
+    status = kdr_customs_create(device, scene->custom_defs, scene->geometry_count, &plan, &customs);
     if (status != KDR_OK) {
         kdr_tree_release(&tree, &device->bulk);
         kdr_alloc_release(&device->alloc, first, ((size_t)scene->geometry_count + 1) * sizeof *first);
@@ -93,10 +93,10 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
 
     /* Put the new trees in the place of the old ones. */
     kdr_tree_release(&scene->tree, &device->bulk);
-    kdr_customs_destroy(scene->custom_tree, device);
+    kdr_customs_destroy(scene->customs, device);
     kdr_alloc_release(&device->alloc, scene->first, ((size_t)scene->committed_count + 1) * sizeof *first);
     scene->tree = tree;
-    scene->custom_tree = customs;
+    scene->customs = customs;
     scene->first = first;
     scene->committed_count = scene->geometry_count;
     scene->committed = true;

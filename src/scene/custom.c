@@ -32,7 +32,7 @@ kdr_status kdr_scene_set_custom(kdr_scene *scene, uint32_t geometry, const kdr_c
     if (!kdr_scene_is_custom(scene, geometry))
         return kdr_device_fail(scene->device, KDR_ERROR_INVALID_ARGUMENT, "geometry %u has no custom primitives",
                                geometry);
-    scene->customs[geometry] = *def;
+    scene->custom_defs[geometry] = *def;
     scene->changed = true;
     return KDR_OK;
 }

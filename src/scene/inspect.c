@@ -6,8 +6,8 @@
 
 void kdr_scene_bounds(const kdr_scene *scene, float bounds[6]) {
     kdr_box box = scene->tree.bounds;
-    if (scene->custom_tree)
-        kdr_box_add(&box, &scene->custom_tree->tree.bounds);
+    if (scene->customs)
+        kdr_box_add(&box, &scene->customs->tree.bounds);
     memcpy(bounds, box.lo, sizeof box.lo);
     memcpy(bounds + 3, box.hi, sizeof box.hi);
 }
@@ -39,8 +39,8 @@ kdr_status kdr_scene_stats(const kdr_scene *scene, kdr_tree_stats *out) {
     if (!scene || !out)
         return KDR_ERROR_INVALID_ARGUMENT;
     kdr_tree_count(&scene->tree, out);
-    if (scene->custom_tree)
-        add_customs(out, &scene->custom_tree->tree);
+    if (scene->customs)
+        add_customs(out, &scene->customs->tree);
     out->build_seconds = scene->build_seconds;
     return KDR_OK;
 }
@@ -49,8 +49,8 @@ uint64_t kdr_scene_hash(const kdr_scene *scene) {
     if (!scene->committed)
         return 0;
     uint64_t hash = kdr_tree_hash(&scene->tree);
-    if (scene->custom_tree) /* shifted: never 0, and the two trees do not change places unnoticed */
-        hash ^= kdr_tree_hash(&scene->custom_tree->tree) << 1;
+    if (scene->customs) /* shifted: never 0, and the two trees do not change places unnoticed */
+        hash ^= kdr_tree_hash(&scene->customs->tree) << 1;
     return hash;
 }
 
@@ -58,8 +58,8 @@ kdr_status kdr_scene_verify(const kdr_scene *scene) {
     if (!scene)
         return KDR_ERROR_INVALID_ARGUMENT;
     const char *wrong = kdr_tree_verify(&scene->tree);
-    if (!wrong && scene->custom_tree)
-        wrong = kdr_tree_verify(&scene->custom_tree->tree);
+    if (!wrong && scene->customs)
+        wrong = kdr_tree_verify(&scene->customs->tree);
     if (wrong)
         return kdr_device_fail(scene->device, KDR_ERROR_INVALID_DATA, "%s", wrong);
     return KDR_OK;

@@ -6,7 +6,7 @@
 
 kdr_trace_def kdr_default_trace_def(void) { return (kdr_trace_def){.size = sizeof(kdr_trace_def)}; }
 
-static inline bool has_customs(const kdr_scene *scene) { return __builtin_expect(scene->custom_tree != NULL, 0); }
+static inline bool has_customs(const kdr_scene *scene) { return __builtin_expect(scene->customs != NULL, 0); }
 
 static inline void answer_triangles(const kdr_scene *scene, bool hit, const kdr_found *found, kdr_ray_hit *ray_hit) {
     if (!hit) {
@@ -29,12 +29,12 @@ static inline void answer_triangles(const kdr_scene *scene, bool hit, const kdr_
 static inline void answer(const kdr_scene *scene, bool hit, const kdr_found *found, kdr_ray_hit *ray_hit) {
     answer_triangles(scene, hit, found, ray_hit);
     if (has_customs(scene))
-        kdr_customs_closest(scene->custom_tree, ray_hit);
+        kdr_customs_closest(scene->customs, ray_hit);
 }
 
 /* The same for any hit. */
 static inline bool any(const kdr_scene *scene, bool hit, const kdr_ray *ray) {
-    return hit || (has_customs(scene) && kdr_customs_any(scene->custom_tree, ray));
+    return hit || (has_customs(scene) && kdr_customs_any(scene->customs, ray));
 }
 
 static inline void intersect(const kdr_scene *scene, const kdr_traversals *traversals, kdr_ray_hit *ray_hit) {

@@ -28,10 +28,10 @@ void kdr_scene_destroy(kdr_scene *scene) {
         return;
     kdr_alloc *alloc = &scene->device->alloc;
     kdr_tree_release(&scene->tree, &scene->device->bulk);
-    kdr_customs_destroy(scene->custom_tree, scene->device);
+    kdr_customs_destroy(scene->customs, scene->device);
     kdr_alloc_release(alloc, scene->first, ((size_t)scene->committed_count + 1) * sizeof *scene->first);
     kdr_alloc_release(alloc, scene->geometries, scene->geometry_capacity * sizeof *scene->geometries);
-    kdr_alloc_release(alloc, scene->customs, scene->geometry_capacity * sizeof *scene->customs);
+    kdr_alloc_release(alloc, scene->custom_defs, scene->geometry_capacity * sizeof *scene->custom_defs);
     kdr_alloc_release(alloc, scene, sizeof *scene);
 }
 
@@ -65,12 +65,12 @@ static bool reserve(kdr_scene *scene, size_t capacity, bool with_customs) {
         memset(customs, 0, capacity * sizeof *customs);
     if (scene->geometry_count > 0)
         memcpy(triangles, scene->geometries, scene->geometry_count * sizeof *triangles);
-    if (scene->customs)
-        memcpy(customs, scene->customs, scene->geometry_count * sizeof *customs);
+    if (scene->custom_defs)
+        memcpy(customs, scene->custom_defs, scene->geometry_count * sizeof *customs);
     kdr_alloc_release(alloc, scene->geometries, scene->geometry_capacity * sizeof *triangles);
-    kdr_alloc_release(alloc, scene->customs, scene->geometry_capacity * sizeof *customs);
+    kdr_alloc_release(alloc, scene->custom_defs, scene->geometry_capacity * sizeof *customs);
     scene->geometries = triangles;
-    scene->customs = customs;
+    scene->custom_defs = customs;
     scene->geometry_capacity = capacity;
     return true;
 }
@@ -82,14 +82,14 @@ kdr_status kdr_scene_add(kdr_scene *scene, const kdr_triangles_def *triangles, c
     size_t capacity = scene->geometry_capacity;
     if (scene->geometry_count == capacity)
         capacity = capacity > 0 ? 2 * capacity : 4;
-    bool with_customs = scene->customs || custom;
-    if ((capacity > scene->geometry_capacity || (with_customs && !scene->customs)) &&
+    bool with_customs = scene->custom_defs || custom;
+    if ((capacity > scene->geometry_capacity || (with_customs && !scene->custom_defs)) &&
         !reserve(scene, capacity, with_customs))
         return kdr_device_fail(scene->device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for %zu geometries", capacity);
     if (geometry)
         *geometry = scene->geometry_count;
     if (custom)
-        scene->customs[scene->geometry_count] = *custom;
+        scene->custom_defs[scene->geometry_count] = *custom;
     scene->geometries[scene->geometry_count++] = *triangles;
     scene->changed = true;
     return KDR_OK;

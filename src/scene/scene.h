@@ -9,14 +9,14 @@
 struct kdr_scene {
     kdr_device *device;
     kdr_triangles_def *geometries; /* those of custom primitives have no triangles here */
-    kdr_custom_def *customs;       /* a geometry; size 0: of triangles. NULL: all are */
+    kdr_custom_def *custom_defs;   /* a geometry; size 0: of triangles. NULL: all are */
     uint32_t geometry_count;
     size_t geometry_capacity;
     bool changed; /* something was added, set or touched since the last commit */
 
     /* Of the last commit; queries read nothing else. */
     kdr_tree tree;            /* of the triangles */
-    kdr_customs *custom_tree; /* NULL: there are no custom primitives */
+    kdr_customs *customs;     /* NULL: there are no custom primitives */
     uint32_t *first;          /* first[g]: number of geometry g's first triangle; committed_count + 1 entries */
     uint32_t committed_count; /* geometries */
     bool committed;
@@ -30,7 +30,7 @@ kdr_status kdr_scene_add(kdr_scene *scene, const kdr_triangles_def *triangles, c
 
 /* True if a geometry has custom primitives. */
 static inline bool kdr_scene_is_custom(const kdr_scene *scene, uint32_t geometry) {
-    return scene->customs && scene->customs[geometry].size > 0;
+    return scene->custom_defs && scene->custom_defs[geometry].size > 0;
 }
 
 #endif
