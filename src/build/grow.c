@@ -37,7 +37,7 @@ uint32_t *kdr_grow_leaf(kdr_build_state *state, kdr_build_worker *worker, uint32
     static uint32_t nothing[1];
     uint32_t first = count > 0 ? worker->id : 0;
     worker->id += count;
-    worker->leaf_groups += kdr_leaf_groups(state->input->boxed, count);
+    worker->leaf_groups += kdr_block_groups(count);
     worker->leaves++;
     *kdr_growing_node(state->shop, node) = kdr_node_leaf(count, first);
     return count > 0 ? kdr_growing_ids(state->shop, first) : nothing;

@@ -66,7 +66,7 @@ static uint64_t number_nodes(const kdr_workshop *shop, kdr_tree *tree, leaf_job 
         if (kdr_node_is_leaf(node)) {
             uint32_t count = kdr_node_count(node);
             tree->nodes[to] = kdr_node_leaf(count, count > 0 ? group : 0);
-            group += kdr_leaf_groups(tree->boxed, count);
+            group += kdr_block_groups(count);
             if (count > 0)
                 jobs[job_count++] = (leaf_job){tree->nodes[to], kdr_node_first(node), to, cell};
             else if (shown)

@@ -51,9 +51,12 @@ static uint32_t boxes(const void *context, uint32_t begin, uint32_t end, const k
 
 static void fill(const void *context, float *blocks, kdr_node leaf, const uint32_t *primitives) {
     const custom_input *input = context;
-    kdr_boxed *entries = kdr_boxed_start(blocks, leaf);
-    for (uint32_t i = 0, count = kdr_node_count(leaf); i < count; i++)
-        entries[i] = (kdr_boxed){input->boxes[primitives[i]], primitives[i]};
+    kdr_boxed_group *groups = kdr_boxed_start(blocks, leaf);
+    const kdr_box none = kdr_box_empty();
+    uint32_t count = kdr_node_count(leaf), places = kdr_block_groups(count) * KDR_BLOCK_GROUP;
+    for (uint32_t i = 0; i < places; i++)
+        kdr_boxed_set(groups, i, i < count ? &input->boxes[primitives[i]] : &none,
+                      i < count ? primitives[i] : UINT32_MAX);
 }
 
 /* Says which primitive has a box that is upside down. */

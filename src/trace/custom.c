@@ -2,13 +2,26 @@
  * other kind of leaf (SPEC B11).
  *
  * Before a primitive's function is called the ray meets its box, where it passes the cell: a call costs many times as
- * much. Everything is done in doubles, in which the intervals of step.h hold for every ray, by the same rule as there:
- * closed, and never shorter than the true ones. So every primitive is asked whose box the ray meets no later than the
- * closest hit.
- * Cost: one plane crossing a node, six crossings a box, and the calls. */
+ * much. Planes are crossed in doubles, in which the intervals of step.h hold for every ray. Boxes are met four at a
+ * time in floats; rays for which floats do not hold, or are too coarse since they come from far away, meet them one by
+ * one in doubles. The rule is that of step.h: intervals are closed, and never shorter than the true ones. So every
+ * primitive is asked whose box the ray meets no later than the closest hit.
+ *
+ * Cost: one plane crossing a node, six crossings four boxes, and the calls. */
 #include "trace/custom.h"
 
+#include "geometry/quad.h"
 #include "geometry/ray_frame.h"
+
+#define REAL float
+#define EPSILON 0x1p-24f
+#define LARGEST 0x1p100f
+#define STEP(name) float_##name
+#include "trace/step.h"
+#undef REAL
+#undef EPSILON
+#undef LARGEST
+#undef STEP
 
 #define REAL double
 #define EPSILON 0x1p-53
@@ -16,33 +29,59 @@
 #define STEP(name) double_##name
 #include "trace/step.h"
 
+/* Floats serve a ray that is so many times as long, inside the bounds, as a distance in floats may be off. */
+#define COARSE 4096
+
 /* A search under way. */
 typedef struct custom_search {
     const kdr_tree *tree;
     const kdr_custom_answers *answers;
     double_ray interval;
-    kdr_ray ray;        /* tmax: the distance of the closest hit so far */
-    uint32_t primitive; /* of hits at tmax itself those below it count */
+    float_ray rough; /* the same in floats, if `in_floats` */
+    bool in_floats;
+    uint32_t near[3], far[3]; /* of a group's rows, the faces that the ray meets first and last */
+    kdr_ray ray;              /* tmax: the distance of the closest hit so far */
+    uint32_t primitive;       /* of hits at tmax itself those below it count */
     bool found;
     kdr_custom_hit *hit;
 } custom_search;
 
-/* True unless the ray surely misses the box between two distances, or meets it only behind the closest hit. A ray that
- * lies in a face gives NaN there, which limits nothing. */
-static bool meets(const custom_search *s, const kdr_box *box, double enter, double leave) {
-    const double_ray *r = &s->interval;
-    for (int k = 0; k < 3; k++) {
-        double near = r->near_is_right[k] ? box->hi[k] : box->lo[k],
-               far = r->near_is_right[k] ? box->lo[k] : box->hi[k];
-        double sooner = (near - r->origin[k]) * r->reciprocal[k] - r->slack;
-        double later = (far - r->origin[k]) * r->reciprocal[k] + r->slack;
-        enter = sooner > enter ? sooner : enter;
-        leave = later < leave ? later : leave;
+/* The boxes of a group that the ray meets where it passes the cell, no later than the closest hit, as bits; and where
+ * it enters them, but no sooner than the cell. A ray that lies in a face gives NaN there, which limits nothing. */
+static inline uint32_t meet_group(const custom_search *s, const kdr_boxed_group *group, double cell_enter,
+                                  double cell_leave, float entry[KDR_BLOCK_GROUP]) {
+    const float_ray *r = &s->rough;
+    const kdr_quad slack = kdr_quad_all(r->slack);
+    kdr_quad enter = kdr_quad_all((float)cell_enter - r->slack), leave = kdr_quad_all((float)cell_leave + r->slack);
+    for (uint32_t k = 0; k < 3; k++) {
+        kdr_quad origin = kdr_quad_all(r->origin[k]), reciprocal = kdr_quad_all(r->reciprocal[k]);
+        enter = kdr_quad_max((kdr_quad_load(group->face[s->near[k]]) - origin) * reciprocal - slack, enter);
+        leave = kdr_quad_min((kdr_quad_load(group->face[s->far[k]]) - origin) * reciprocal + slack, leave);
     }
-    return enter <= leave && (float)enter <= s->ray.tmax;
+    kdr_quad_store(entry, enter);
+    return kdr_quad_bits((enter <= leave) & (enter <= kdr_quad_all(s->ray.tmax)));
 }
 
-/* Asks one primitive. Comparisons are written so that a distance that is NaN is no hit. */
+/* The same one by one. */
+static uint32_t meet_boxes(const custom_search *s, const kdr_boxed_group *group, double cell_enter, double cell_leave,
+                           float entry[KDR_BLOCK_GROUP]) {
+    const double_ray *r = &s->interval;
+    uint32_t met = 0;
+    for (uint32_t i = 0; i < KDR_BLOCK_GROUP; i++) {
+        double enter = cell_enter, leave = cell_leave;
+        for (uint32_t k = 0; k < 3; k++) {
+            double sooner = (group->face[s->near[k]][i] - r->origin[k]) * r->reciprocal[k] - r->slack;
+            double later = (group->face[s->far[k]][i] - r->origin[k]) * r->reciprocal[k] + r->slack;
+            enter = sooner > enter ? sooner : enter;
+            leave = later < leave ? later : leave;
+        }
+        entry[i] = (float)enter;
+        met |= (uint32_t)(enter <= leave && entry[i] <= s->ray.tmax) << i;
+    }
+    return met;
+}
+
+/* Asks one primitive for its closest hit. Comparisons are written so that a distance that is NaN is no hit. */
 static void ask(custom_search *s, uint32_t primitive) {
     kdr_custom_hit hit = {0};
     if (!s->answers->intersect(s->answers->context, &s->ray, primitive, &hit) || !(hit.t > s->ray.tmin))
@@ -57,14 +96,18 @@ static void ask(custom_search *s, uint32_t primitive) {
 
 /* Asks the primitives of a leaf; true ends the search. */
 static inline bool ask_leaf(custom_search *s, kdr_node leaf, double enter, double leave, const bool any) {
-    const kdr_boxed *entries = kdr_boxed_of(s->tree, leaf);
-    for (uint32_t i = 0, count = kdr_node_count(leaf); i < count; i++) {
-        if (!meets(s, &entries[i].box, enter, leave))
-            continue;
-        if (!any)
-            ask(s, entries[i].primitive);
-        else if (s->answers->occluded(s->answers->context, &s->ray, entries[i].primitive))
-            return true;
+    const kdr_boxed_group *group = kdr_boxed_of(s->tree, leaf), *end = group + kdr_block_groups(kdr_node_count(leaf));
+    for (; group < end; group++) {
+        float entry[KDR_BLOCK_GROUP];
+        uint32_t met = __builtin_expect(s->in_floats, 1) ? meet_group(s, group, enter, leave, entry)
+                                                         : meet_boxes(s, group, enter, leave, entry);
+        for (; met; met &= met - 1) {
+            uint32_t i = (uint32_t)__builtin_ctz(met);
+            if (any && s->answers->occluded(s->answers->context, &s->ray, group->primitive[i]))
+                return true;
+            if (!any && entry[i] <= s->ray.tmax)
+                ask(s, group->primitive[i]);
+        }
     }
     return false;
 }
@@ -114,9 +157,19 @@ static inline __attribute__((always_inline)) bool walk(custom_search *s, const b
 
 /* False if the ray misses the tree's bounds. */
 static bool begin(custom_search *s) {
+    if (!kdr_ray_is_valid(&s->ray) || kdr_box_is_empty(&s->tree->bounds))
+        return false;
     bool holds;
-    return kdr_ray_is_valid(&s->ray) && !kdr_box_is_empty(&s->tree->bounds) &&
-           double_begin(&s->interval, &s->ray, &s->tree->bounds, &holds);
+    if (!float_begin(&s->rough, &s->ray, &s->tree->bounds, &holds) && holds)
+        return false;
+    s->in_floats = holds && s->rough.slack * COARSE <= s->rough.tmax - s->rough.tmin;
+    if (!double_begin(&s->interval, &s->ray, &s->tree->bounds, &holds))
+        return false;
+    for (uint32_t k = 0; k < 3; k++) {
+        s->near[k] = s->interval.near_is_right[k] ? 3 + k : k;
+        s->far[k] = s->interval.near_is_right[k] ? k : 3 + k;
+    }
+    return true;
 }
 
 bool kdr_custom_closest(const kdr_tree *tree, const kdr_custom_answers *answers, const kdr_ray *ray, uint32_t limit,

@@ -9,9 +9,9 @@
 typedef struct kdr_tree {
     kdr_node *nodes;     /* node 0 is the root; canonical order: depth first, left before right */
     uint32_t node_count; /* with the unused node 1 */
-    float *blocks;       /* of triangles, or, if `boxed`, entries of boxed.h */
+    float *blocks;       /* of triangles, or, if `boxed`, the groups of boxed.h */
     bool boxed;
-    uint32_t group_count; /* of blocks, or entries */
+    uint32_t group_count; /* of blocks or boxes */
     kdr_box bounds;       /* of the primitives: the root's cell; empty if there are none */
     uint64_t primitive_count;
     uint64_t dropped_count, degenerate_count;

@@ -58,7 +58,7 @@ static bool reaches(const kdr_tree *tree, uint32_t index, uint32_t primitive, co
 static bool verify_leaf(const kdr_tree *tree, const kdr_walk *at, verifying *v) {
     kdr_node node = tree->nodes[at->node];
     uint32_t count = kdr_node_count(node);
-    if (count > 0 && (uint64_t)kdr_node_first(node) + kdr_leaf_groups(tree->boxed, count) > tree->group_count)
+    if (count > 0 && (uint64_t)kdr_node_first(node) + kdr_block_groups(count) > tree->group_count)
         return fail(v, "a leaf's block lies outside the blocks");
     int runs = !tree->boxed && count <= KDR_UNSPLIT_LIMIT ? 2 : 1;
     for (uint32_t i = 0; i < count; i++) {

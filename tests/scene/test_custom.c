@@ -49,11 +49,11 @@ static kdr_ray strewn_ray(test_random *random) {
     return ray;
 }
 
-/* Expected answers to rays, of which the second half looks for trouble among the triangles. */
+/* Expected answers to rays, of which those behind the first `strewn` look for trouble among the triangles. */
 static void ask_brute_force(const custom_scene *scene, test_random *random, kdr_ray *rays, kdr_ray_hit *expected,
-                            size_t count) {
+                            size_t strewn, size_t count) {
     for (size_t i = 0; i < count; i++) {
-        rays[i] = i < count / 2 ? strewn_ray(random) : awkward_ray(random, &scene->tree);
+        rays[i] = i < strewn ? strewn_ray(random) : awkward_ray(random, &scene->tree);
         expected[i] = custom_scene_closest(scene, &rays[i]);
     }
 }
@@ -106,7 +106,7 @@ static void every_plan_answers_as_brute_force_with_and_without_triangles(void **
         mixed_open(&m, &random, i % 2 ? SHAPES : 0, SHAPES, sizes[i / 2]);
         kdr_ray *rays = test_allocate(RAYS, sizeof *rays);
         kdr_ray_hit *expected = test_allocate(RAYS, sizeof *expected);
-        ask_brute_force(&m.scene, &random, rays, expected, RAYS);
+        ask_brute_force(&m.scene, &random, rays, expected, RAYS / 2, RAYS);
         for (size_t j = 0; j < RAYS; j++) {
             hits += expected[j].hit.geometry != KDR_INVALID_ID;
             custom_hits += expected[j].hit.geometry != KDR_INVALID_ID && expected[j].hit.geometry % 3 == 0;
@@ -137,7 +137,7 @@ static void every_instruction_set_gives_the_same_tree_and_the_same_answers(void 
     mixed_open(&m, &random, SHAPES, SHAPES, 0.1f);
     kdr_ray *rays = test_allocate(RAYS, sizeof *rays);
     kdr_ray_hit *expected = test_allocate(RAYS, sizeof *expected);
-    ask_brute_force(&m.scene, &random, rays, expected, RAYS);
+    ask_brute_force(&m.scene, &random, rays, expected, RAYS / 2, RAYS);
     uint64_t hash = 0;
     for (int isa = KDR_ISA_SCALAR; isa <= KDR_ISA_NEON; isa++) {
         kdr_device *device = device_of_isa((kdr_isa)isa, 1, NULL);
@@ -164,7 +164,7 @@ static void many_primitives_are_asked_through_the_tree_and_their_boxes_once(void
     mixed_open(&m, &random, 1000, MANY, 0.03f);
     kdr_ray *rays = test_allocate(MANY_RAYS, sizeof *rays);
     kdr_ray_hit *expected = test_allocate(MANY_RAYS, sizeof *expected);
-    ask_brute_force(&m.scene, &random, rays, expected, MANY_RAYS);
+    ask_brute_force(&m.scene, &random, rays, expected, MANY_RAYS, MANY_RAYS);
     custom_plan plans[CUSTOM_PLANS];
     size_t plan_count = custom_plans(plans);
     for (size_t plan = 0; plan < plan_count; plan++) {
@@ -340,7 +340,7 @@ static void any_number_of_threads_may_ask_at_once(void **state) {
     mixed_open(&m, &random, SHAPES, SHAPES, 0.1f);
     kdr_ray *rays = test_allocate(RAYS, sizeof *rays);
     kdr_ray_hit *expected = test_allocate(RAYS, sizeof *expected);
-    ask_brute_force(&m.scene, &random, rays, expected, RAYS);
+    ask_brute_force(&m.scene, &random, rays, expected, RAYS / 2, RAYS);
     kdr_device *device = device_of(4);
     kdr_scene *scene = custom_scene_commit(&m.scene, device, NULL);
     questions q = {.brute = &m.scene, .scene = scene, .rays = rays, .expected = expected};
