@@ -1,14 +1,16 @@
-/* The trees of custom primitives: sound for boxes of any shape, counted with those of triangles, made of scenes, kept
- * where memory runs out. */
+/* The trees of custom primitives: they ask whoever may be hit, are sound for boxes of any shape, counted with those of
+ * triangles, made of scenes, kept where memory runs out. */
 #include "support/customs.h"
 #include "support/everywhere.h"
 #include "support/failing_alloc.h"
 #include "support/soup.h"
+#include "support/test_size.h"
 
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -26,6 +28,112 @@ static kdr_scene *scene_of(kdr_device *device) {
     kdr_scene *scene;
     assert_int_equal(kdr_scene_create(device, &scene), KDR_OK);
     return scene;
+}
+
+/* ---- who is asked, on boxes and rays of small whole numbers, where it can be said exactly who must be */
+
+#define WHOLE_BOXES 250
+#define WHOLE_RAYS TEST_SIZE(300)
+
+typedef struct whole_boxes {
+    int lo[WHOLE_BOXES][3], hi[WHOLE_BOXES][3];
+    bool asked[WHOLE_BOXES];
+} whole_boxes;
+
+static void whole_bounds(uint32_t primitive, float lo[3], float hi[3], void *user) {
+    const whole_boxes *boxes = user;
+    for (int k = 0; k < 3; k++) {
+        lo[k] = (float)boxes->lo[primitive][k];
+        hi[k] = (float)boxes->hi[primitive][k];
+    }
+}
+
+static bool whole_intersect(const kdr_ray *ray, uint32_t primitive, kdr_custom_hit *hit, void *user) {
+    whole_boxes *boxes = user;
+    (void)ray;
+    (void)hit;
+    boxes->asked[primitive] = true;
+    return false;
+}
+
+/* True if some point of the closed box lies on the ray beyond its origin and no farther than tmax: near and far ends of
+ * the three intervals are fractions with positive denominators, compared by cross multiplication. */
+static bool whole_meet(const whole_boxes *boxes, int i, const int o[3], const int d[3], int tmax) {
+    int near[4] = {0, 0, 0, 0}, far[4] = {0, 0, 0, tmax}, below[4] = {0, 0, 0, 1}; // the fourth: the ray's own
+    for (int k = 0; k < 3; k++) {
+        below[k] = abs(d[k]);
+        near[k] = d[k] < 0 ? o[k] - boxes->hi[i][k] : boxes->lo[i][k] - o[k];
+        far[k] = d[k] < 0 ? o[k] - boxes->lo[i][k] : boxes->hi[i][k] - o[k];
+        if (d[k] == 0 && (near[k] > 0 || far[k] < 0))
+            return false;
+    }
+    for (int a = 0; a < 4; a++) {
+        if (below[a] > 0 && far[a] <= 0)
+            return false;
+        for (int b = 0; b < 4; b++)
+            if (below[a] > 0 && below[b] > 0 && near[a] * below[b] > far[b] * below[a])
+                return false;
+    }
+    return true;
+}
+
+static void every_primitive_is_asked_whose_closed_box_the_ray_meets(void **state) {
+    (void)state;
+    test_random random = test_random_start(test_random_seed(), 3);
+    whole_boxes *boxes = test_allocate(1, sizeof *boxes);
+    kdr_custom_def def = kdr_default_custom_def();
+    def.primitive_count = WHOLE_BOXES;
+    def.user = boxes;
+    def.bounds = whole_bounds;
+    def.intersect = whole_intersect;
+    kdr_device *device = device_of(1, NULL);
+    custom_plan plans[CUSTOM_PLANS];
+    size_t met = 0, asked = 0, plan_count = custom_plans(plans);
+    for (size_t plan = 0; plan < plan_count; plan++) {
+        for (int i = 0; i < WHOLE_BOXES; i++) {
+            for (int k = 0; k < 3; k++) { // a third is flat on each axis
+                boxes->lo[i][k] = (int)test_random_below(&random, 13) - 6;
+                boxes->hi[i][k] = boxes->lo[i][k] + (int)test_random_below(&random, 3);
+            }
+        }
+        kdr_scene *scene = scene_of(device);
+        assert_int_equal(kdr_scene_add_custom(scene, &def, NULL), KDR_OK);
+        assert_int_equal(kdr_scene_commit(scene, &plans[plan].def), KDR_OK);
+        for (int r = 0; r < WHOLE_RAYS; r++) {
+            // Most go through a corner of a box, at the distance 1.
+            int o[3], d[3], aim = (int)test_random_below(&random, WHOLE_BOXES), tmax = 1 + r % 3;
+            for (int k = 0; k < 3; k++) {
+                o[k] = (int)test_random_below(&random, 25) - 12;
+                d[k] = (test_random_below(&random, 2) ? boxes->lo : boxes->hi)[aim][k] - o[k];
+                if (r % 5 == 0)
+                    d[k] = (int)test_random_below(&random, 3) - 1;
+            }
+            kdr_ray_hit ray = {.ray = {(float)o[0], (float)o[1], (float)o[2], 0, (float)d[0], (float)d[1], (float)d[2],
+                                       0, (float)tmax, 0, 0, 0}};
+            if (d[0] == 0 && d[1] == 0 && d[2] == 0)
+                continue;
+            for (int query = 0; query < 2; query++) {
+                memset(boxes->asked, 0, sizeof boxes->asked);
+                if (query == 0)
+                    kdr_intersect1(scene, &ray);
+                else
+                    assert_false(kdr_occluded1(scene, &ray.ray));
+                for (int i = 0; i < WHOLE_BOXES; i++) {
+                    bool must = whole_meet(boxes, i, o, d, tmax);
+                    if (must && !boxes->asked[i])
+                        fail_msg("%s: box %d is not asked by the ray {%d, %d, %d} {%d, %d, %d} tmax %d",
+                                 plans[plan].text, i, o[0], o[1], o[2], d[0], d[1], d[2], tmax);
+                    met += must;
+                    asked += boxes->asked[i];
+                }
+            }
+        }
+        kdr_scene_destroy(scene);
+    }
+    // Nobody is asked without need, but for those that are met at the origin alone.
+    assert_true(met > (size_t)40 * WHOLE_RAYS && asked < met + met / 8);
+    kdr_device_destroy(device);
+    free(boxes);
 }
 
 static void boxes_without_volume_make_a_sound_tree_wherever_they_lie(void **state) {
@@ -236,6 +344,7 @@ static void every_allocation_of_a_commit_may_fail_and_the_old_trees_stay(void **
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_primitive_is_asked_whose_closed_box_the_ray_meets),
         cmocka_unit_test(boxes_without_volume_make_a_sound_tree_wherever_they_lie),
         cmocka_unit_test(statistics_and_bounds_are_of_both_trees),
         cmocka_unit_test(a_primitive_may_be_a_scene_of_its_own),
