@@ -1,5 +1,5 @@
-/* The trees of custom primitives: they ask whoever may be hit, are sound for boxes of any shape, counted with those of
- * triangles, made of scenes, kept where memory runs out. */
+/* The trees of custom primitives: they ask whoever may be hit, are sound for boxes of any shape, are counted with those
+ * of triangles, may be made of scenes, and stay where memory runs out. */
 #include "support/customs.h"
 #include "support/everywhere.h"
 #include "support/failing_alloc.h"
