@@ -153,13 +153,14 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
     if (status != KDR_OK)
         return status;
     kdr_tree made = {.bounds = bounds,
+                     .boxed = input->boxed,
                      .primitive_count = count,
                      .dropped_count = counts->dropped,
                      .degenerate_count = counts->degenerate,
                      .cost_traversal = plan->cost_traversal,
                      .cost_intersection = plan->cost_intersection,
                      .depth_limit = state.plan.depth_limit,
-                     .clipped = plan->straddle == KDR_STRADDLE_CLIP};
+                     .clipped = plan->straddle == KDR_STRADDLE_CLIP && input->corners};
     status = kdr_build_layout(&state, &made);
     if (status == KDR_OK)
         *tree = made;

@@ -4,7 +4,7 @@
 #define KDR_BUILD_INPUT_H
 
 #include "build/references.h"
-#include "tree/block.h"
+#include "tree/boxed.h"
 
 /* Primitives that are left out of the tree, and why. */
 typedef struct kdr_input_counts {
@@ -17,6 +17,7 @@ typedef struct kdr_input_counts {
 typedef struct kdr_input {
     const void *context;
     uint32_t count;
+    bool boxed; /* leaves hold the groups of boxed.h; otherwise blocks of triangles */
 
     /* Writes the boxes of those of [begin, end) that belong into the tree to places at, at + 1 ... and widens *bounds
      * by them. Returns how many; adds the others to *counts. */

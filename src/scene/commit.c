@@ -1,4 +1,4 @@
-/* Commit: a new tree is made beside the old one and takes its place only when it is whole. */
+/* Commit: new trees are made beside the old ones and take their places only when they are whole. */
 #include "base/cpu.h"
 #include "build/plan.h"
 #include "scene/scene.h"
@@ -86,11 +86,20 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
         return kdr_device_fail(device, status, "the tree of %u triangles was not built: %s", input.count,
                                kdr_status_text(status));
     }
+    kdr_customs *customs;
+    status = kdr_customs_create(device, scene->custom_defs, scene->geometry_count, &plan, &customs);
+    if (status != KDR_OK) {
+        kdr_tree_release(&tree, &device->bulk);
+        kdr_alloc_release(&device->alloc, first, ((size_t)scene->geometry_count + 1) * sizeof *first);
+        return status;
+    }
 
-    /* Put the new tree in the place of the old one. */
+    /* Put the new trees in the place of the old ones. */
     kdr_tree_release(&scene->tree, &device->bulk);
+    kdr_customs_destroy(scene->customs, device);
     kdr_alloc_release(&device->alloc, scene->first, ((size_t)scene->committed_count + 1) * sizeof *first);
     scene->tree = tree;
+    scene->customs = customs;
     scene->first = first;
     scene->committed_count = scene->geometry_count;
     scene->committed = true;

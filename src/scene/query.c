@@ -1,9 +1,14 @@
-/* Queries: what a caller asks, in terms of traversals. Nothing here allocates, locks or fails. */
+/* Queries: what a caller asks, in terms of traversals. Nothing here allocates, locks or fails.
+ *
+ * The triangles are asked first. Where a scene has custom primitives, `answer` and `any` then ask these too: no other
+ * place knows of both trees. */
 #include "scene/scene.h"
 
 kdr_trace_def kdr_default_trace_def(void) { return (kdr_trace_def){.size = sizeof(kdr_trace_def)}; }
 
-static inline void answer(const kdr_scene *scene, bool hit, const kdr_found *found, kdr_ray_hit *ray_hit) {
+static inline bool has_customs(const kdr_scene *scene) { return __builtin_expect(scene->customs != NULL, 0); }
+
+static inline void answer_triangles(const kdr_scene *scene, bool hit, const kdr_found *found, kdr_ray_hit *ray_hit) {
     if (!hit) {
         ray_hit->hit.geometry = KDR_INVALID_ID;
         return;
@@ -18,6 +23,18 @@ static inline void answer(const kdr_scene *scene, bool hit, const kdr_found *fou
                              .primitive = found->primitive - scene->first[geometry],
                              .geometry = geometry,
                              .instance = KDR_INVALID_ID};
+}
+
+/* Tells the caller what the triangles' tree said, or the custom primitives' if they are closer. */
+static inline void answer(const kdr_scene *scene, bool hit, const kdr_found *found, kdr_ray_hit *ray_hit) {
+    answer_triangles(scene, hit, found, ray_hit);
+    if (has_customs(scene))
+        kdr_customs_closest(scene->customs, ray_hit);
+}
+
+/* The same for any hit. */
+static inline bool any(const kdr_scene *scene, bool hit, const kdr_ray *ray) {
+    return hit || (has_customs(scene) && kdr_customs_any(scene->customs, ray));
 }
 
 static inline void intersect(const kdr_scene *scene, const kdr_traversals *traversals, kdr_ray_hit *ray_hit) {
@@ -49,7 +66,7 @@ void kdr_intersect1(const kdr_scene *scene, kdr_ray_hit *ray_hit) {
 }
 
 bool kdr_occluded1(const kdr_scene *scene, const kdr_ray *ray) {
-    return scene->device->traversals->single_any(&scene->tree, ray);
+    return any(scene, scene->device->traversals->single_any(&scene->tree, ray), ray);
 }
 
 void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_hit *ray_hits, size_t count) {
@@ -77,9 +94,11 @@ void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_
         uint32_t together = count - begin < KDR_STREAM_RAYS ? (uint32_t)(count - begin) : KDR_STREAM_RAYS;
         if (go_together(scene, def, part, sizeof *part, together)) {
             traversals->stream_any(&scene->tree, part, sizeof *part, together, occluded + begin);
+            for (uint32_t i = 0; has_customs(scene) && i < together; i++)
+                occluded[begin + i] = any(scene, occluded[begin + i], &part[i]);
             continue;
         }
         for (uint32_t i = 0; i < together; i++)
-            occluded[begin + i] = traversals->single_any(&scene->tree, &part[i]);
+            occluded[begin + i] = any(scene, traversals->single_any(&scene->tree, &part[i]), &part[i]);
     }
 }

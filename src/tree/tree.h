@@ -1,4 +1,4 @@
-/* The structure at rest: nodes, blocks and what was counted when they were made. Never changed once built. */
+/* The structure at rest: nodes, leaves and what was counted when they were made. Never changed once built. */
 #ifndef KDR_TREE_TREE_H
 #define KDR_TREE_TREE_H
 
@@ -9,9 +9,10 @@
 typedef struct kdr_tree {
     kdr_node *nodes;     /* node 0 is the root; canonical order: depth first, left before right */
     uint32_t node_count; /* with the unused node 1 */
-    float *blocks;
-    uint32_t group_count;
-    kdr_box bounds; /* of the primitives: the root's cell; empty if there are none */
+    float *blocks;       /* of triangles, or, if `boxed`, the groups of boxed.h */
+    bool boxed;
+    uint32_t group_count; /* of blocks or boxes */
+    kdr_box bounds;       /* of the primitives: the root's cell; empty if there are none */
     uint64_t primitive_count;
     uint64_t dropped_count, degenerate_count;
     float cost_traversal, cost_intersection;
@@ -25,7 +26,8 @@ typedef struct kdr_tree {
 /* A tree of one empty leaf. False when there is no memory. */
 bool kdr_tree_init_empty(kdr_tree *tree, kdr_bulk *bulk);
 
-/* Room for nodes and groups; contents are not set. False, and nothing held, when there is no memory. */
+/* Room for nodes and groups, of the kind that tree->boxed says; contents are not set. False, and nothing held, when
+ * there is no memory. */
 bool kdr_tree_reserve(kdr_tree *tree, kdr_bulk *bulk, uint32_t node_count, uint32_t group_count);
 
 /* Memory goes back to the bulk it came from, where the next tree finds it. */

@@ -1,10 +1,9 @@
 #include "tree/verify.h"
 
 #include "geometry/clip.h"
+#include "tree/boxed.h"
 #include "tree/unsplit.h"
 #include "tree/walk.h"
-
-#include <math.h>
 
 /* Invariants
  *   every plane lies within its cell; axes, indices and blocks are in range; no path is longer than the depth limit
@@ -32,13 +31,12 @@ typedef struct wanted {
 } wanted;
 
 static wanted want(const kdr_tree *tree, kdr_node leaf, uint32_t i) {
-    kdr_block block = kdr_block_of(tree->blocks, leaf);
-    wanted w = {.tree = tree, .primitive = kdr_block_primitive(block, i), .first = UINT32_MAX};
-    kdr_block_triangle(block, i, w.corners);
-    for (int k = 0; k < 3; k++) {
-        w.box.lo[k] = fminf(w.corners[0][k], fminf(w.corners[1][k], w.corners[2][k]));
-        w.box.hi[k] = fmaxf(w.corners[0][k], fmaxf(w.corners[1][k], w.corners[2][k]));
-    }
+    wanted w = {.tree = tree,
+                .primitive = kdr_leaf_primitive(tree, leaf, i),
+                .box = kdr_leaf_box(tree, leaf, i),
+                .first = UINT32_MAX};
+    if (tree->clipped)
+        kdr_block_triangle(kdr_block_of(tree->blocks, leaf), i, w.corners);
     return w;
 }
 
@@ -57,17 +55,16 @@ static bool surely_meets(const wanted *w, const kdr_box *cell) {
 /* Looks at all of a small leaf, whose primitives may be two runs in ascending order; searches a large one. */
 static bool leaf_holds(const kdr_tree *tree, kdr_node leaf, uint32_t primitive) {
     uint32_t lo = 0, hi = kdr_node_count(leaf);
-    kdr_block block = kdr_block_of(tree->blocks, leaf);
     while (hi > KDR_UNSPLIT_LIMIT && lo < hi) {
         uint32_t middle = lo + (hi - lo) / 2;
-        if (kdr_block_primitive(block, middle) < primitive)
+        if (kdr_leaf_primitive(tree, leaf, middle) < primitive)
             lo = middle + 1;
         else
             hi = middle;
     }
-    while (lo < hi && kdr_block_primitive(block, lo) != primitive)
+    while (lo < hi && kdr_leaf_primitive(tree, leaf, lo) != primitive)
         lo++;
-    return lo < kdr_node_count(leaf) && kdr_block_primitive(block, lo) == primitive;
+    return lo < kdr_node_count(leaf) && kdr_leaf_primitive(tree, leaf, lo) == primitive;
 }
 
 /* True if the primitive is wherever it must be below this node. */
@@ -98,10 +95,10 @@ static bool verify_leaf(const kdr_tree *tree, const kdr_walk *at, verifying *v) 
     uint32_t count = kdr_node_count(node);
     if (count > 0 && (uint64_t)kdr_node_first(node) + kdr_block_groups(count) > tree->group_count)
         return fail(v, "a leaf's block lies outside the blocks");
-    int runs = count <= KDR_UNSPLIT_LIMIT ? 2 : 1;
+    int runs = !tree->boxed && count <= KDR_UNSPLIT_LIMIT ? 2 : 1;
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t primitive = kdr_block_primitive(kdr_block_of(tree->blocks, node), i);
-        if (i > 0 && primitive <= kdr_block_primitive(kdr_block_of(tree->blocks, node), i - 1) && --runs == 0)
+        uint32_t primitive = kdr_leaf_primitive(tree, node, i);
+        if (i > 0 && primitive <= kdr_leaf_primitive(tree, node, i - 1) && --runs == 0)
             return fail(v, "the primitives of a leaf are not in ascending order");
         wanted w = want(tree, node, i);
         for (int k = 0; k < 3; k++)
