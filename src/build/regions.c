@@ -200,7 +200,7 @@ static bool cut(kdr_build_state *state, bool parallel, const kdr_build_task *tas
                 kdr_build_task children[2]) {
     kdr_opening o;
     uint32_t count = task->references.count, sets[3];
-    if (kdr_must_be_leaf(state, count, task->depth) ||
+    if (count < 2 || task->depth >= state->plan.depth_limit ||
         !kdr_opening_begin(&o, state, &state->shop->workers[0], parallel, task))
         return false;
     o.owned = true;
