@@ -57,7 +57,7 @@ static void assign_range(void *context, size_t begin, size_t end, uint32_t worke
     const assigning *a = context;
     const kdr_references *from = a->from;
     uint32_t *places = a->places + begin / ASSIGN_GRAIN * a->regions->region_count;
-    kdr_box *boxes = a->boxes + (size_t)worker * a->regions->region_count;
+    kdr_box *boxes = a->to ? a->boxes + (size_t)worker * a->regions->region_count : NULL;
     for (size_t i = begin; i < end; i++) {
         kdr_box box;
         for (int k = 0; k < 3; k++) {
