@@ -36,6 +36,16 @@ const char *kdr_build_def_problem(const kdr_build_def *def) {
         return "depth_limit must be at most 60";
     if (!(def->reference_limit >= 1 && (double)def->reference_limit <= COST_LIMIT))
         return "reference_limit must be at least 1 and at most 1,000,000";
+    if ((unsigned)def->trace > KDR_TRACE_BACKTRACK)
+        return "trace must be one of kdr_trace_rule";
+    if ((unsigned)def->nodes > KDR_NODES_ARRAYS)
+        return "nodes must be one of kdr_nodes_rule";
+    if ((unsigned)def->mailbox > KDR_MAILBOX_64)
+        return "mailbox must be one of kdr_mailbox_rule";
+    if (def->nodes == KDR_NODES_ARRAYS && def->trace != KDR_TRACE_STACK && def->trace != KDR_TRACE_RESTART)
+        return "nodes=arrays goes with trace=stack or trace=restart";
+    if (def->mailbox != KDR_MAILBOX_NONE && def->trace == KDR_TRACE_AUTO)
+        return "a mailbox goes with a traversal by name, not with trace=auto";
     return NULL;
 }
 
@@ -47,7 +57,10 @@ kdr_plan kdr_plan_of(const kdr_build_def *def) {
                      .cost_intersection = def->cost_intersection,
                      .leaf_limit = def->leaf_limit,
                      .depth_limit = def->depth_limit,
-                     .reference_limit = def->reference_limit};
+                     .reference_limit = def->reference_limit,
+                     .trace = def->trace,
+                     .nodes = def->nodes,
+                     .mailbox = def->mailbox};
     if (plan.axis == KDR_AXIS_DEFAULT)
         plan.axis = binned ? KDR_AXIS_BEST : KDR_AXIS_LONGEST;
     if (plan.leaf_limit == 0)
@@ -63,6 +76,9 @@ typedef struct key_choice {
 
 static const char *const split_names[] = {"binned", "space", "object"};
 static const char *const axis_names[] = {"", "best", "longest", "robin"};
+static const char *const trace_names[] = {"auto", "stack", "restart", "push-down", "short-stack", "backtrack"};
+static const char *const nodes_names[] = {"structures", "arrays"};
+static const char *const mailbox_names[] = {"0", "8", "16", "32", "64"};
 
 /* How a key's value is held in a def: as a word of a list, a whole number or a real one. */
 typedef enum key_kind { KEY_CHOICE, KEY_WHOLE, KEY_REAL } key_kind;
@@ -126,11 +142,34 @@ static const plan_key keys[] = {
      .kind = KEY_REAL,
      .min = 1,
      .max = COST_LIMIT},
+    {.name = "trace",
+     .allowed = "auto, stack, restart, push-down, short-stack or backtrack",
+     .text = "auto|stack|restart|push-down|short-stack|backtrack, default auto: trace rays the fastest way, or each "
+             "alone through the kd-tree by the traversal of that name",
+     .offset = offsetof(kdr_build_def, trace),
+     .kind = KEY_CHOICE,
+     .choice = {trace_names, 6}},
+    {.name = "nodes",
+     .allowed = "structures or arrays",
+     .text =
+         "structures|arrays, default structures: trace nodes of 8 bytes, or, with trace=stack and restart, an array "
+         "for each of their fields",
+     .offset = offsetof(kdr_build_def, nodes),
+     .kind = KEY_CHOICE,
+     .choice = {nodes_names, 2}},
+    {.name = "mailbox",
+     .allowed = "0, 8, 16, 32 or 64",
+     .text = "0|8|16|32|64, default 0: triangles that a ray remembers having met; not with trace=auto",
+     .offset = offsetof(kdr_build_def, mailbox),
+     .kind = KEY_CHOICE,
+     .choice = {mailbox_names, 5}},
 };
 enum { KEY_COUNT = sizeof keys / sizeof keys[0] };
 
 /* Choices are enums, whole numbers are uint32_t: all are read and written as four bytes. */
-_Static_assert(sizeof(kdr_split_rule) == 4 && sizeof(kdr_axis_rule) == 4 && sizeof(float) == 4, "values of four bytes");
+_Static_assert(sizeof(kdr_split_rule) == 4 && sizeof(kdr_axis_rule) == 4 && sizeof(kdr_trace_rule) == 4 &&
+                   sizeof(kdr_nodes_rule) == 4 && sizeof(kdr_mailbox_rule) == 4 && sizeof(float) == 4,
+               "values of four bytes");
 
 const char *kdr_build_def_key_name(size_t i) { return i < KEY_COUNT ? keys[i].name : NULL; }
 
@@ -209,7 +248,7 @@ static const plan_key *find_key(const char *name, size_t length) {
 }
 
 static void complain_of_key(char *problem, size_t size, const char *word, int length) {
-    char names[160] = "";
+    char names[240] = "";
     size_t used = 0;
     for (size_t i = 0; i < KEY_COUNT; i++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%s",
@@ -265,6 +304,11 @@ kdr_status kdr_build_def_parse(const char *text, kdr_build_def *out, char *probl
     leave_plain_locale(before, plain);
     if (!parsed)
         return KDR_ERROR_INVALID_ARGUMENT;
+    const char *wrong = kdr_build_def_problem(&def);
+    if (wrong) {
+        complain(problem, problem_size, "%s", wrong);
+        return KDR_ERROR_INVALID_ARGUMENT;
+    }
     *out = def;
     return KDR_OK;
 }

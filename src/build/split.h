@@ -21,6 +21,9 @@ typedef struct kdr_plan {
     float cost_traversal, cost_intersection;
     uint32_t leaf_limit, depth_limit;
     float reference_limit;
+    kdr_trace_rule trace; /* this and the next two: of no concern to the builder */
+    kdr_nodes_rule nodes;
+    kdr_mailbox_rule mailbox;
     bool wide; /* add the wide tree */
 } kdr_plan;
 

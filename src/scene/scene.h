@@ -14,6 +14,7 @@ struct kdr_scene {
 
     /* Of the last commit; queries read nothing else. */
     kdr_tree tree;
+    kdr_lone lone;            /* how a lone ray is asked, by the plan */
     uint32_t *first;          /* first[g]: number of geometry g's first triangle; committed_count + 1 entries */
     uint32_t committed_count; /* geometries */
     bool committed;
