@@ -20,8 +20,8 @@
 #define KDR_LANES 1
 #include "tree/mailbox_lanes.h"
 
-#define RAYS TEST_SIZE(400)
-#define LONG_ROUNDS 60
+#define RAYS TEST_SIZE(100)
+#define LONG_ROUNDS 20
 
 typedef struct plan_name {
     char text[100];
@@ -114,7 +114,7 @@ static void hold_kind(size_t kind, uint64_t round) {
     soup_scene soup = soup_scene_create_kind(&random, drawn, drawn->count / (1 + round % 3));
     oracle_scene scene = oracle_scene_create(soup.geometries, SOUP_GEOMETRIES);
     oracle_tree tree = oracle_tree_create(&scene);
-    size_t count = drawn->is_exact ? RAYS / 6 + 1 : RAYS;
+    size_t count = drawn->is_exact ? RAYS / 20 + 1 : RAYS;
     kdr_ray *rays = awkward_rays_create(&random, &tree, count);
     query_sheet sheet = query_sheet_create(&tree, rays, count);
     char label[100];
@@ -241,10 +241,8 @@ static void annexes_are_made_and_counted_only_where_a_plan_asks(void **state) {
         const char *plan;
         uint32_t node_bytes;
     } cases[] = {
-        {"trace=stack", 8},
-        {"trace=restart mailbox=64", 8},
-        {"trace=short-stack", 8},
-        {"trace=restart nodes=arrays", 8 + 13},
+        {"trace=stack", 8},          {"trace=restart mailbox=64", 8},
+        {"trace=short-stack", 8},    {"trace=restart nodes=arrays", 8 + 13},
         {"trace=backtrack", 8 + 28},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
