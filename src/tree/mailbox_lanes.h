@@ -2,8 +2,8 @@
  * each of them. A hashed table of few places, where a newer triangle takes the place of an older one: a triangle that
  * was lost is tested again, which costs time and changes nothing.
  *
- * Source: J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", 1987, for the mailbox; I. Wald,
- * "Realtime Ray Tracing and Interactive Global Illumination", 2004, for the hashed one beside the ray. A vector of
+ * Source: J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", 1987, for the mailbox; C. Benthin,
+ * "Realtime Ray Tracing on Current CPU Architectures", 2006, for the hashed one beside the ray. A vector of
  * triangles is looked up at once, and skipped only when all its lanes are known. */
 #ifndef KDR_TREE_MAILBOX_LANES_H
 #define KDR_TREE_MAILBOX_LANES_H

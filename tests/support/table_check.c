@@ -107,7 +107,7 @@ static void check_build(kdr_device *device, const kdr_triangles_def *triangles, 
     for (uint32_t i = 0; i < rays; i++) {
         kdr_ray ray = random_ray(&random, i);
         bool hit;
-        out->differences += differs(&scene->tree, isa, &ray, i % 5 == 0, &hit);
+        out->differences += differs(&scene->tree, isa, &ray, i % 13 == 0, &hit);
         out->hits += hit;
         out->rays++;
     }
