@@ -52,16 +52,12 @@ BOTH(backtrack, backtrack_in_double)
 
 #define ROW(search)                                                                                                    \
     { {search##_closest_false, search##_any_false}, {search##_closest_true, search##_any_true}, }
-#define NONE                                                                                                           \
-    {                                                                                                                  \
-        { NULL, NULL }                                                                                                 \
-    }
 
 extern const kdr_named_traversals KDR_LANES_SYMBOL(kdr_named_traversals);
 const kdr_named_traversals KDR_LANES_SYMBOL(kdr_named_traversals) = {{
     [KDR_TRACE_STACK] = {ROW(stack), ROW(stack_arrays)},
     [KDR_TRACE_RESTART] = {ROW(restart), ROW(restart_arrays)},
-    [KDR_TRACE_PUSH_DOWN] = {ROW(push_down), NONE},
-    [KDR_TRACE_SHORT_STACK] = {ROW(short_stack), NONE},
-    [KDR_TRACE_BACKTRACK] = {ROW(backtrack), NONE},
+    [KDR_TRACE_PUSH_DOWN] = {ROW(push_down)},
+    [KDR_TRACE_SHORT_STACK] = {ROW(short_stack)},
+    [KDR_TRACE_BACKTRACK] = {ROW(backtrack)},
 }};
