@@ -100,7 +100,11 @@ static kdr_status open_root(kdr_build_state *state, kdr_build_task *root) {
         kdr_bulk_put(state->shop->bulk, root->memory, root->memory_size);
         return KDR_ERROR_OUT_OF_MEMORY;
     }
-    uint32_t count = share->divide(state, root, state->plan.share_count, tasks);
+    /* Regions are halved until there are as many as asked for, or as many as the depth allows. */
+    uint32_t wanted = state->plan.share_count, levels = state->plan.depth_limit;
+    if (levels < 32 && wanted > 1u << levels)
+        wanted = 1u << levels;
+    uint32_t count = share->divide(state, root, wanted, tasks);
     kdr_status status = state->order->run(state, tasks, count);
     kdr_arena_restore(arena, mark);
     return status;
@@ -146,15 +150,21 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
 
     kdr_box bounds = root.box;
     status = open_root(&state, &root);
+    if (status == KDR_OK && plan->retract) {
+        kdr_build_retract(&state, &bounds);
+        status = (kdr_status)atomic_load(&state.status);
+    }
     if (status != KDR_OK)
         return status;
     kdr_tree made = {.bounds = bounds,
+                     .boxed = input->boxed,
                      .primitive_count = count,
                      .dropped_count = counts->dropped,
                      .degenerate_count = counts->degenerate,
                      .cost_traversal = plan->cost_traversal,
                      .cost_intersection = plan->cost_intersection,
-                     .depth_limit = state.plan.depth_limit};
+                     .depth_limit = state.plan.depth_limit,
+                     .clipped = plan->straddle == KDR_STRADDLE_CLIP && input->corners};
     status = kdr_build_layout(&state, &made);
     if (status == KDR_OK)
         *tree = made;

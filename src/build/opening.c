@@ -168,7 +168,7 @@ bool kdr_opening_divide(kdr_opening *o, const kdr_split *given, uint64_t left, u
     if (weighed)
         move_into_gap(&split, task, children);
     children[0].cell.hi[split.axis] = children[1].cell.lo[split.axis] = split.plane;
-    if (task->events && !state->splitter->divide(o, &split, children))
+    if (task->events && !state->splitter->divide(o, given, children))
         return fail(o, children);
 
     /* Write the node. */

@@ -14,6 +14,7 @@
 typedef union kdr_split_scratch {
     kdr_bins bins;
     kdr_rank_tallies tallies;
+    kdr_split splits[3]; /* the best of each axis */
 } kdr_split_scratch;
 
 typedef struct kdr_opening {

@@ -57,7 +57,7 @@ static void assign_range(void *context, size_t begin, size_t end, uint32_t worke
     const assigning *a = context;
     const kdr_references *from = a->from;
     uint32_t *places = a->places + begin / ASSIGN_GRAIN * a->regions->region_count;
-    kdr_box *boxes = a->boxes + (size_t)worker * a->regions->region_count;
+    kdr_box *boxes = a->to ? a->boxes + (size_t)worker * a->regions->region_count : NULL;
     for (size_t i = begin; i < end; i++) {
         kdr_box box;
         for (int k = 0; k < 3; k++) {
@@ -147,11 +147,6 @@ static uint32_t make_tasks(kdr_build_state *state, const kdr_build_task *root, u
     kdr_arena *arena = &state->shop->workers[0].arena;
     uint32_t ranges = root->references.count / ASSIGN_GRAIN + 1, *counts;
     assigning a = {.from = &root->references, .regions = regions};
-
-    /* Cuts halve the number of regions, so it bounds the depth of the planes. */
-    uint32_t levels = state->plan.depth_limit - root->depth;
-    if (levels < 31 && count > 1u << levels)
-        count = 1u << levels;
     counts = kdr_arena_get(arena, KDR_MAX_REGIONS * sizeof *counts);
     a.places = kdr_arena_get(arena, (size_t)ranges * count * sizeof *a.places);
     if (!counts || !a.places) {
@@ -205,7 +200,7 @@ static bool cut(kdr_build_state *state, bool parallel, const kdr_build_task *tas
                 kdr_build_task children[2]) {
     kdr_opening o;
     uint32_t count = task->references.count, sets[3];
-    if (kdr_must_be_leaf(state, count, task->depth) ||
+    if (count < 2 || task->depth >= state->plan.depth_limit ||
         !kdr_opening_begin(&o, state, &state->shop->workers[0], parallel, task))
         return false;
     o.owned = true;

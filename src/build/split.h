@@ -26,9 +26,13 @@ typedef struct kdr_plan {
     kdr_straddle_rule straddle;
     bool retract;
     float cost_traversal, cost_intersection;
+    float box_weight;  /* how much planes are weighed by the bounds of what lies beside them; 0: by cells alone */
     float empty_bonus; /* factor of the cost of a plane that cuts off empty space */
     uint32_t leaf_limit, depth_limit;
     float reference_limit;
+    kdr_trace_rule trace; /* this and the next two: of no concern to the builder */
+    kdr_nodes_rule nodes;
+    kdr_mailbox_rule mailbox;
     bool wide; /* add the wide tree */
 } kdr_plan;
 

@@ -8,6 +8,7 @@ const kdr_splitter *kdr_splitter_for(kdr_split_rule rule) {
         [KDR_SPLIT_BINNED] = &kdr_split_binned,
         [KDR_SPLIT_SPACE] = &kdr_split_space,
         [KDR_SPLIT_OBJECT] = &kdr_split_object,
+        [KDR_SPLIT_SWEEP] = &kdr_split_sweep,
     };
     KDR_CHECK((size_t)rule < sizeof rows / sizeof rows[0]);
     return rows[rule];

@@ -30,7 +30,7 @@ typedef struct kdr_splitter {
     kdr_split (*choose)(kdr_opening *opening, uint32_t axes);
 } kdr_splitter;
 
-extern const kdr_splitter kdr_split_binned, kdr_split_space, kdr_split_object;
+extern const kdr_splitter kdr_split_binned, kdr_split_space, kdr_split_object, kdr_split_sweep;
 
 const kdr_splitter *kdr_splitter_for(kdr_split_rule rule);
 

@@ -102,6 +102,9 @@ kdr_opened kdr_expand(kdr_build_state *state, kdr_build_worker *worker, bool par
 /* ---- masks.c: a task of at most KDR_MASK_LIMIT references becomes a whole subtree. */
 void kdr_expand_masked(kdr_build_state *state, kdr_build_worker *worker, const kdr_build_task *task);
 
+/* ---- retract.c: makes leaves of subtrees that cost no less. Failure is left in the state. */
+void kdr_build_retract(kdr_build_state *state, const kdr_box *bounds);
+
 /* ---- layout.c: the finished tree in canonical order. */
 kdr_status kdr_build_layout(kdr_build_state *state, kdr_tree *tree);
 

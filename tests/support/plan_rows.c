@@ -9,7 +9,14 @@
 
 #define COUNT(rows) (sizeof(rows) / sizeof(rows)[0])
 
-const char *const split_rows[] = {"split=binned", "split=binned empty-bonus=0.5", "split=space", "split=object"};
+const char *const split_rows[] = {"split=binned",
+                                  "split=binned empty-bonus=0.5 retract=yes",
+                                  "split=space",
+                                  "split=object",
+                                  "split=sweep",
+                                  "split=sweep events=3",
+                                  "split=sweep straddle=clip",
+                                  "split=sweep events=3 straddle=clip retract=yes box-weight=1"};
 const size_t split_row_count = COUNT(split_rows);
 
 const char *const axis_rows[] = {"axis=best", "axis=longest", "axis=robin"};
