@@ -23,11 +23,11 @@ const char *const axis_rows[] = {"axis=best", "axis=longest", "axis=robin"};
 const size_t axis_row_count = COUNT(axis_rows);
 
 const char *const share_rows[] = {
-    "share=none",        "share=serial/1",  "share=serial/2",  "share=serial/3",   "share=serial/7",
-    "share=serial/64",   "share=line/1",    "share=line/2",    "share=line/3",     "share=line/7",
-    "share=line/64",     "share=grid/1",    "share=grid/2",    "share=grid/3",     "share=grid/7",
-    "share=grid/64",     "share=cluster/1", "share=cluster/2", "share=cluster/3",  "share=cluster/7",
-    "share=cluster/64",  "share=line/1024", "share=grid/1024", "share=serial/1024", "share=cluster/1024",
+    "share=none",       "share=serial/1",  "share=serial/2",  "share=serial/3",    "share=serial/7",
+    "share=serial/64",  "share=line/1",    "share=line/2",    "share=line/3",      "share=line/7",
+    "share=line/64",    "share=grid/1",    "share=grid/2",    "share=grid/3",      "share=grid/7",
+    "share=grid/64",    "share=cluster/1", "share=cluster/2", "share=cluster/3",   "share=cluster/7",
+    "share=cluster/64", "share=line/1024", "share=grid/1024", "share=serial/1024", "share=cluster/1024",
 };
 const size_t share_row_count = COUNT(share_rows);
 
