@@ -154,13 +154,14 @@ static uint32_t make_tasks(kdr_build_state *state, const kdr_build_task *root, u
         return 0;
     }
 
-    /* Fewer regions, where they would take more references than there may be. */
-    uint64_t sum;
+    /* Fewer regions, where they would take more than half of the references that splitting may add: the subtrees need
+     * the other half. */
+    uint64_t sum, whole = root->references.count;
     for (;; count = (count + 1) / 2) {
         regions->plane_count = regions->region_count = 0;
         find(context, count, regions);
         sum = count_references(state, &a, counts);
-        if (sum <= root->budget || count == 1)
+        if (2 * (sum - whole) <= root->budget - whole || count == 1)
             break;
     }
     memset(tasks, 0, regions->region_count * sizeof *tasks);

@@ -167,6 +167,31 @@ static void there_are_as_many_regions_as_asked_for_of_about_one_size(void **stat
     soup_scene_destroy(&soup);
 }
 
+/* Where nothing is split below them regions are leaves. */
+static void regions_leave_half_of_the_references_that_may_be_added_to_what_is_below_them(void **state) {
+    (void)state;
+    devices on = open_devices();
+    test_random random = test_random_start(test_random_seed(), 350);
+    soup_scene soup = soup_scene_create_kind(&random, soup_kind_find("small"), 20000);
+    static const char *const shares[] = {"share=line/1024", "share=cluster/1024", "share=grid/1024"};
+    for (size_t i = 0; i < sizeof shares / sizeof shares[0]; i++) {
+        char text[PLAN_ROW_TEXT];
+        kdr_build_def def = plan_of_words(text, "split=space leaf-limit=4294967295", "", shares[i], "");
+        for (int limit = 2; limit <= 16; limit *= 2) {
+            def.reference_limit = (float)limit;
+            kdr_scene *scene = committed_scene(on.of[1], soup.geometries, SOUP_GEOMETRIES, &def);
+            kdr_tree_stats stats = stats_of(scene);
+            assert_true(stats.leaf_count > 1);
+            if (2 * stats.reference_count > ((uint64_t)limit + 1) * stats.triangle_count)
+                fail_msg("%s: %u references in %u regions", text, (unsigned)stats.reference_count,
+                         (unsigned)stats.leaf_count);
+            kdr_scene_destroy(scene);
+        }
+    }
+    soup_scene_destroy(&soup);
+    close_devices(&on);
+}
+
 /* Sixty-four regions, six levels deep, and triangles as large as the scene: each belongs to a dozen of regions. */
 static void a_triangle_is_in_the_subtree_of_every_region_it_reaches_into(void **state) {
     (void)state;
@@ -283,6 +308,7 @@ int main(void) {
         cmocka_unit_test(every_plan_makes_sound_trees_that_answer_as_the_oracle_whatever_the_order_and_the_workers),
         cmocka_unit_test(large_scenes_have_one_tree_whatever_the_order_and_the_workers),
         cmocka_unit_test(there_are_as_many_regions_as_asked_for_of_about_one_size),
+        cmocka_unit_test(regions_leave_half_of_the_references_that_may_be_added_to_what_is_below_them),
         cmocka_unit_test(a_triangle_is_in_the_subtree_of_every_region_it_reaches_into),
         cmocka_unit_test(the_limits_of_depth_and_references_hold_for_every_share_and_order),
         cmocka_unit_test(a_build_without_memory_leaves_the_old_tree_and_no_bytes_wherever_it_fails),

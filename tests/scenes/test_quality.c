@@ -38,13 +38,13 @@ static const bound bounds[] = {
     {"split=sweep events=3 straddle=clip retract=yes", 0.58, 0.99, 1.2},
     {"quality=best", 0.55, 1.2, 1.8},
     {"share=serial/8", 0.97, 1.1, 2.2},
-    {"share=line/8", 1.05, 1.4, 3.1},
+    {"share=line/8", 1.05, 1.3, 1.65},
     {"share=grid/8", 0.97, 1.1, 1.85},
-    {"share=cluster/8", 1.05, 1.4, 3.1},
+    {"share=cluster/8", 1.05, 1.3, 1.65},
     {"share=serial/64", 0.98, 1.25, 3.2},
-    {"share=line/64", 1.8, 3.6, 7},
-    {"share=grid/64", 1, 1.25, 2.1},
-    {"share=cluster/64", 1.8, 3.6, 7},
+    {"share=line/64", 1.25, 2.3, 5.6},
+    {"share=grid/64", 1, 1.25, 1.95},
+    {"share=cluster/64", 1.25, 2.3, 5.6},
 };
 enum { BOUNDS = sizeof bounds / sizeof bounds[0] };
 
