@@ -1,9 +1,9 @@
-/* kdray: ray queries against triangles, through a kd-tree that is built again whenever they move.
+/* kdray: ray queries against triangles and custom primitives, through a kd-tree that is built again whenever they move.
  *
  * One C header, no dependency but libc, libm and threads.
  *
  *   device   workers, memory and log; everything else is made from one
- *   scene    triangles, and the tree that a commit makes of them
+ *   scene    triangles and custom primitives, and the tree that a commit makes of them
  *   query    rays asked of a committed scene
  *
  * Ownership. A handle has one owner, who destroys it. A scene must be destroyed before its device. Arrays given in
@@ -68,6 +68,7 @@ KDR_API const char *kdr_version(void);
 
 typedef struct kdr_device kdr_device;
 typedef struct kdr_scene kdr_scene;
+typedef struct kdr_ray kdr_ray;
 
 /* Instruction sets, narrowest first. A device uses the widest one that machine, KDR_ISA and isa_limit all allow. */
 typedef enum kdr_isa {
@@ -179,11 +180,55 @@ KDR_API void kdr_scene_destroy(kdr_scene *scene);
  * Vertex numbers are checked by the commit, not here. */
 KDR_API kdr_status kdr_scene_add_triangles(kdr_scene *scene, const kdr_triangles_def *def, uint32_t *geometry);
 
-/* Gives a geometry new arrays or counts, in force from the next commit on. Errors: INVALID_ARGUMENT. */
+/* Gives a geometry of triangles new arrays or counts, in force from the next commit on.
+ * Errors: INVALID_ARGUMENT (also: a geometry of custom primitives). */
 KDR_API kdr_status kdr_scene_set_triangles(kdr_scene *scene, uint32_t geometry, const kdr_triangles_def *def);
 
-/* Says that the arrays of a geometry have new contents. A commit of a scene in which nothing was added, set or touched,
- * with the same build def, does nothing. Errors: INVALID_ARGUMENT (no such geometry). */
+/* The hit of a ray and a custom primitive, as its callback says. All fields are 0 before the call. */
+typedef struct kdr_custom_hit {
+    float t;                            /* distance, in units of the direction's length */
+    float normal_x, normal_y, normal_z; /* these and u, v go into kdr_hit as they are */
+    float u, v;
+} kdr_custom_hit;
+
+/* Primitives of the caller's own: a box each, and functions that say where a ray hits them.
+ *
+ *   bounds     fills in the box of a primitive: lo <= hi on every axis, all finite; it may be flat or a point. A box
+ *              with a number that is NaN or infinite leaves its primitive out. Called once a primitive and commit, by
+ *              several workers at once.
+ *   intersect  says whether the ray hits the primitive, and where: the hit counts if ray->tmin < hit->t <= ray->tmax.
+ *              ray->tmax is the distance of the closest hit so far, so the callback reports its closest hit within
+ *              that interval, or false.
+ *   occluded   says whether the primitive has any hit in that interval; NULL: intersect is asked.
+ *
+ * A hit must lie in the box: origin + t direction, with t off by no more than half a float step. A callback that rounds
+ * gives boxes that are larger by as much. Then answers do not depend on how the tree was built.
+ * intersect and occluded are called by queries, on the threads that ask, several at once, and more than once a ray and
+ * primitive if the primitive reaches over planes of the tree. They may query other scenes; they must change nothing of
+ * kdray's. */
+typedef struct kdr_custom_def {
+    size_t size;              /* set by kdr_default_custom_def */
+    uint32_t primitive_count; /* may be 0 */
+    void *user;               /* passed through; must be valid while the scene is committed or queried */
+    void (*bounds)(uint32_t primitive, float lo[3], float hi[3], void *user);
+    bool (*intersect)(const kdr_ray *ray, uint32_t primitive, kdr_custom_hit *hit, void *user);
+    bool (*occluded)(const kdr_ray *ray, uint32_t primitive, void *user);
+} kdr_custom_def;
+
+KDR_API kdr_custom_def kdr_default_custom_def(void);
+
+/* Adds custom primitives; they take part from the next commit on. Geometries of both kinds share one numbering: see
+ * kdr_scene_add_triangles. The def is copied; a hit carries the number of the geometry and of the primitive in it.
+ * Errors: INVALID_ARGUMENT (def, bounds or intersect NULL), LIMIT (2^32 - 1 geometries), OUT_OF_MEMORY. */
+KDR_API kdr_status kdr_scene_add_custom(kdr_scene *scene, const kdr_custom_def *def, uint32_t *geometry);
+
+/* Gives a geometry of custom primitives another def, in force from the next commit on; until then queries call the old
+ * functions with the old user pointer. Errors: INVALID_ARGUMENT (also: a geometry of triangles). */
+KDR_API kdr_status kdr_scene_set_custom(kdr_scene *scene, uint32_t geometry, const kdr_custom_def *def);
+
+/* Says that the arrays of a geometry have new contents, or the boxes of its custom primitives. A commit of a scene in
+ * which nothing was added, set or touched, with the same build def, does nothing.
+ * Errors: INVALID_ARGUMENT (no such geometry). */
 KDR_API kdr_status kdr_scene_touch(kdr_scene *scene, uint32_t geometry);
 
 /* Where a node is cut. */
@@ -191,40 +236,117 @@ typedef enum kdr_split_rule {
     KDR_SPLIT_BINNED, /* where the surface area heuristic says: by bins, small nodes exactly */
     KDR_SPLIT_SPACE,  /* spatial median: the middle of the cell */
     KDR_SPLIT_OBJECT, /* object median: the median of the centres of the primitives' boxes */
+    KDR_SPLIT_SWEEP,  /* where the surface area heuristic says, exactly, by sorted events */
 } kdr_split_rule;
 
 /* On which axis. Where an axis has no plane worth taking, another one is tried. */
 typedef enum kdr_axis_rule {
-    KDR_AXIS_DEFAULT, /* binned: best; space, object: longest */
+    KDR_AXIS_DEFAULT, /* binned, sweep: best; space, object: longest */
     KDR_AXIS_BEST,    /* the axis whose plane costs least by the surface area heuristic */
     KDR_AXIS_LONGEST, /* the longest axis of the cell */
     KDR_AXIS_ROBIN,   /* one after the other, by depth */
 } kdr_axis_rule;
 
-/* How the tree is built: the plan. Costs are relative costs of the surface area heuristic. */
+/* What is opened next. It never changes the tree. */
+typedef enum kdr_order_rule { KDR_ORDER_DEPTH_FIRST, KDR_ORDER_BREADTH_FIRST } kdr_order_rule;
+
+/* Who works on what. All but NONE first divide the scene at medians into share_count regions, whatever the number of
+ * workers, which become subtrees of one tree. */
+typedef enum kdr_share_rule {
+    KDR_SHARE_NONE,    /* no regions: all workers on each of the largest nodes, then nodes are handed around */
+    KDR_SHARE_SERIAL,  /* regions by medians of begins and ends, found by one worker; one worker a region */
+    KDR_SHARE_LINE,    /* slices of the longest axis, by bins, found by all workers; one worker a region */
+    KDR_SHARE_GRID,    /* boxes, by one histogram on three axes, found by all workers; one worker a region */
+    KDR_SHARE_CLUSTER, /* slices of the longest axis, by 512 bins a region; then nodes are handed around */
+} kdr_share_rule;
+
+#define KDR_MAX_SHARE_COUNT 1024
+
+/* Events of the sweep. */
+typedef enum kdr_event_form {
+    KDR_EVENTS_TWO = 2,  /* begin and end; boxes without extent are widened by the least amount */
+    KDR_EVENTS_THREE = 3 /* begin, lying in the plane, end; what lies in a plane is tried on both sides */
+} kdr_event_form;
+
+/* What becomes of a primitive on both sides of a plane. */
+typedef enum kdr_straddle_rule {
+    KDR_STRADDLE_GENERAL, /* its box is cut at the plane: works for every primitive */
+    KDR_STRADDLE_CLIP,    /* sweep: the triangle is cut, and goes only where it really is */
+} kdr_straddle_rule;
+
+/* How single rays go through the tree; never changes an answer. All but AUTO ask every ray of every query alone. */
+typedef enum kdr_trace_rule {
+    KDR_TRACE_AUTO,        /* the fastest there is: the wide tree where there are lanes, rays together in streams */
+    KDR_TRACE_STACK,       /* front to back through the kd-tree, with a stack of far children */
+    KDR_TRACE_RESTART,     /* no stack: from the root again for every leaf */
+    KDR_TRACE_PUSH_DOWN,   /* restart, from the deepest node above which nothing waits */
+    KDR_TRACE_SHORT_STACK, /* a stack of few places; push-down where it has lost what waits */
+    KDR_TRACE_BACKTRACK,   /* no stack: up by parent links, which add 28 bytes a node */
+} kdr_trace_rule;
+
+/* How the nodes lie that are traced; never changes an answer. */
+typedef enum kdr_nodes_rule {
+    KDR_NODES_STRUCTURES, /* a word of 8 bytes each */
+    KDR_NODES_ARRAYS,     /* as well, an array for each field, 13 bytes a node: STACK and RESTART only */
+} kdr_nodes_rule;
+
+/* Triangles that a ray remembers, so that none of them is tested again in another leaf; never changes an answer. Not
+ * with KDR_TRACE_AUTO, which has few triangles in two leaves. */
+typedef enum kdr_mailbox_rule {
+    KDR_MAILBOX_NONE,
+    KDR_MAILBOX_8,
+    KDR_MAILBOX_16,
+    KDR_MAILBOX_32,
+    KDR_MAILBOX_64,
+} kdr_mailbox_rule;
+
+/* How the tree is built and traced: the plan. Costs are relative costs of the surface area heuristic. */
 typedef struct kdr_build_def {
     size_t size; /* set by kdr_default_build_def */
     kdr_split_rule split;
     kdr_axis_rule axis;
-    float cost_traversal;    /* of one step through an interior node; > 0 */
-    float cost_intersection; /* of one triangle test; > 0 */
-    uint32_t leaf_limit;     /* more primitives than this are split even where the heuristic would not; space, object:
-                                no more than this are never split. 0: 64 for binned, 8 for the others */
-    uint32_t depth_limit;    /* 0: 8 + 1.3 log2(primitives); at most KDR_MAX_DEPTH */
-    float reference_limit;   /* references a primitive, over the whole tree, that splitting may use; >= 1 */
+    kdr_order_rule order;
+    kdr_share_rule share;
+    uint32_t share_count;       /* regions; 1 to KDR_MAX_SHARE_COUNT; 0 with KDR_SHARE_NONE */
+    kdr_event_form events;      /* sweep only */
+    kdr_straddle_rule straddle; /* CLIP: sweep only */
+    bool retract;               /* take back splits that did not pay, once the tree is built */
+    float box_weight;           /* sweep: how much of a plane's cost goes by the bounds of what lies on its two sides,
+                                   which the wide tree shows to rays, instead of the two parts of the cell; 0 to 1 */
+    float empty_bonus;          /* factor of the cost of triangle tests where a plane leaves one side empty: over 0, at
+                                   most 1; binned and sweep only. 0: 0.8 for sweep, 1 for binned */
+    float cost_traversal;       /* of one step through an interior node; > 0 */
+    float cost_intersection;    /* of one triangle test; > 0 */
+    uint32_t leaf_limit;   /* more primitives than this are split even where the heuristic would not; space, object:
+                              no more than this are never split. 0: 64 for binned and sweep, 8 for the others */
+    uint32_t depth_limit;  /* 0: 8 + 1.3 log2(primitives); at most KDR_MAX_DEPTH */
+    float reference_limit; /* references a primitive, over the whole tree, that splitting may use; >= 1 */
+    kdr_trace_rule trace;
+    kdr_nodes_rule nodes;
+    kdr_mailbox_rule mailbox;
 } kdr_build_def;
 
 #define KDR_MAX_DEPTH 60
 
 KDR_API kdr_build_def kdr_default_build_def(void);
 
+/* Plans made up for a purpose. */
+typedef enum kdr_quality {
+    KDR_QUALITY_FAST, /* the default: for a tree that is built again for every frame */
+    KDR_QUALITY_BEST, /* for a tree that is built once: the sweep with triangles cut at planes, and splits taken back */
+} kdr_quality;
+
+/* The plan for a purpose, to be changed as needed. A value that is no kdr_quality means the default. */
+KDR_API kdr_build_def kdr_quality_build_def(kdr_quality quality);
+
 /* A plan as text: words KEY=VALUE with spaces between them, such as "split=object leaf-limit=4". Reads it into *out; a
  * key that is left out has its default. On failure *out is left alone and `problem`, unless its size is 0, gets one
  * sentence, cut to that size, that names the word and what is allowed.
- * Errors: INVALID_ARGUMENT (unknown key, value that is not allowed, key given twice, text or out NULL). Thread safe. */
+ * Errors: INVALID_ARGUMENT (unknown key, value that is not allowed, key given twice, values that do not go together,
+ * text or out NULL). Thread safe. */
 KDR_API kdr_status kdr_build_def_parse(const char *text, kdr_build_def *out, char *problem, size_t problem_size);
 
-#define KDR_PLAN_TEXT_SIZE 256 /* bytes that hold every plan as text, with its end */
+#define KDR_PLAN_TEXT_SIZE 512 /* bytes that hold every plan as text, with its end */
 
 /* Writes a plan as text, every key with its value, defaults resolved; kdr_build_def_parse reads it back to a def that
  * builds the same tree. text: `size` bytes, the caller's; left alone on failure.
@@ -236,27 +358,33 @@ KDR_API kdr_status kdr_build_def_print(const kdr_build_def *def, char *text, siz
 KDR_API const char *kdr_build_def_key_name(size_t i);
 KDR_API const char *kdr_build_def_key_text(size_t i);
 
-/* Builds the tree over all triangles; def NULL means the defaults. Blocks until done; the device's workers help.
+/* Builds the tree over all geometries; def NULL means the defaults. Blocks until done; the device's workers help.
+ * Custom primitives have a tree of their own, built by the same def; rays are asked of both.
  * Triangles with a vertex that is not finite and triangles of exactly zero area, which no ray can hit, are left out and
- * counted in the statistics.
- * On failure the old tree stays in force. The tree depends on the triangles and the def alone, never on the number of
- * workers or the instruction set. Errors: INVALID_ARGUMENT (def), INVALID_DATA (a vertex number out of range),
- * LIMIT (2^30 triangles), OUT_OF_MEMORY. */
+ * counted in the statistics, and so are custom primitives whose box is not finite.
+ * On failure the old tree stays in force. The tree depends on the primitives and the def alone, never on the number of
+ * workers or the instruction set. Errors: INVALID_ARGUMENT (def), INVALID_DATA (a vertex number out of range, a finite
+ * box with lo > hi), LIMIT (2^30 triangles or custom primitives), OUT_OF_MEMORY. */
 KDR_API kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *def);
 
-/* Smallest box around the committed triangles, {min x, y, z, max x, y, z}; min > max on every axis if there is none. */
+/* Smallest box around the committed triangles and boxes of custom primitives, {min x, y, z, max x, y, z}; min > max on
+ * every axis if there is none. */
 KDR_API void kdr_scene_bounds(const kdr_scene *scene, float bounds[6]);
 
 #define KDR_HISTOGRAM_SIZE 64
 
+/* Of a scene with custom primitives: numbers, bytes, costs and histograms of both trees, added up; depth and
+ * largest_leaf are the larger ones, mean_leaf_depth is over the leaves of both. A tree of no primitive is one empty
+ * leaf. */
 typedef struct kdr_tree_stats {
     uint64_t triangle_count;   /* in the tree */
-    uint64_t dropped_count;    /* left out: a vertex is NaN or infinite */
+    uint64_t custom_count;     /* custom primitives in the tree */
+    uint64_t dropped_count;    /* left out: a vertex or a box is NaN or infinite */
     uint64_t degenerate_count; /* left out: exactly zero area, no ray can hit them */
     uint64_t interior_count;
     uint64_t leaf_count; /* with empty ones */
     uint64_t empty_leaf_count;
-    uint64_t reference_count; /* triangles over all leaves; over triangle_count: the duplication */
+    uint64_t reference_count; /* primitives over all leaves; over their number: the duplication */
     uint32_t depth;           /* of the deepest leaf; the root has 0 */
     uint32_t largest_leaf;
     double mean_leaf_depth; /* over all leaves */
@@ -265,44 +393,38 @@ typedef struct kdr_tree_stats {
     size_t leaf_bytes;      /* blocks of the leaves */
     double build_seconds;   /* wall time of the commit */
     uint64_t depth_histogram[KDR_HISTOGRAM_SIZE]; /* leaves at each depth */
-    uint64_t leaf_histogram[KDR_HISTOGRAM_SIZE];  /* leaves with i triangles; the last counts all larger ones */
+    uint64_t leaf_histogram[KDR_HISTOGRAM_SIZE];  /* leaves with i primitives; the last counts all larger ones */
 } kdr_tree_stats;
 
-/* Walks the committed tree and counts. Errors: INVALID_ARGUMENT. Thread safe with queries. */
+/* Walks the committed trees and counts. Errors: INVALID_ARGUMENT. Thread safe with queries. */
 KDR_API kdr_status kdr_scene_stats(const kdr_scene *scene, kdr_tree_stats *out);
 
 /* A node of the committed tree: a box of space, divided in two by a plane or else a leaf. */
 typedef struct kdr_cell {
-    float bounds[6]; /* {min x, y, z, max x, y, z} */
-    uint32_t depth;  /* the root has 0 */
-    bool is_leaf;
+    float bounds[6];          /* {min x, y, z, max x, y, z} */
+    uint32_t depth;           /* the root has 0 */
+    bool is_leaf, is_custom;  /* custom: of the tree of the custom primitives, not of the triangles' */
     uint32_t axis;            /* of the split plane: 0, 1, 2; 0 for a leaf */
     float plane;              /* where it cuts that axis; 0 for a leaf */
-    uint32_t primitive_count; /* triangles in the leaf, each counted in every leaf that has it; 0 if not a leaf */
+    uint32_t primitive_count; /* in the leaf, each counted in every leaf that has it; 0 if not a leaf */
 } kdr_cell;
 
-/* What a visitor of cells is to be shown next. */
-typedef enum kdr_cell_step {
-    KDR_CELL_INTO, /* the cells inside this one, if there are any, and then what follows it */
-    KDR_CELL_PAST, /* what follows it, and nothing inside it */
-    KDR_CELL_STOP, /* nothing more */
-} kdr_cell_step;
-
-/* Called for a cell, which is valid during the call only; user is what the caller passed on. */
-typedef kdr_cell_step kdr_cell_fn(const kdr_cell *cell, void *user);
+/* What a visitor wants next: cells inside this one and what follows, what follows, or nothing more. */
+typedef enum kdr_cell_step { KDR_CELL_INTO, KDR_CELL_PAST, KDR_CELL_STOP } kdr_cell_step;
+typedef kdr_cell_step kdr_cell_fn(const kdr_cell *cell, void *user); /* cell: valid during the call only */
 
 /* Shows the cells of the committed tree to a visitor, on the calling thread: every cell before those inside it, what
- * lies below a split plane before what lies above it. Before the first commit, and where there are no triangles, there
- * is one empty leaf, whose box has min > max. The visitor may ask queries, but must not change the scene. Never
+ * lies below a plane before what lies above it; then those of the custom primitives' tree, if there are any. A tree
+ * without triangles is one empty leaf with min > max. The visitor may ask queries, but not change the scene. Never
  * allocates. Errors: INVALID_ARGUMENT (scene or visit NULL); that the visitor stops is none. Thread safe with queries.
  */
 KDR_API kdr_status kdr_scene_cells(const kdr_scene *scene, kdr_cell_fn *visit, void *user);
 
-/* A number that is equal for equal trees (nodes, split planes and the triangles of each leaf), however they lie in
+/* A number that is equal for equal trees (nodes, split planes and the primitives of each leaf), however they lie in
  * memory and whoever built them. 0 before the first commit. */
 KDR_API uint64_t kdr_scene_hash(const kdr_scene *scene);
 
-/* Walks the committed tree and checks every invariant: planes inside their cells, every triangle in every leaf whose
+/* Walks the committed tree and checks every invariant: planes inside their cells, every primitive in every leaf whose
  * cell its box meets, depth and counts within limits. INVALID_DATA with a log message when one is broken. */
 KDR_API kdr_status kdr_scene_verify(const kdr_scene *scene);
 
@@ -320,11 +442,11 @@ typedef struct kdr_ray {
     uint32_t flags;                              /* not read */
 } kdr_ray;
 
-/* Field order is that of Embree's RTCHit. */
+/* Field order is that of Embree's RTCHit. Normal, u and v of a custom primitive are what its callback says. */
 typedef struct kdr_hit {
     float normal_x, normal_y, normal_z; /* (b - a) x (c - a) of triangle a, b, c: not unit length */
     float u, v;                         /* hit point = (1 - u - v) a + u b + v c */
-    uint32_t primitive;                 /* number of the triangle within its geometry */
+    uint32_t primitive;                 /* number of the primitive within its geometry */
     uint32_t geometry;                  /* KDR_INVALID_ID: nothing was hit */
     uint32_t instance;                  /* KDR_INVALID_ID */
 } kdr_hit;
@@ -342,6 +464,8 @@ typedef struct kdr_ray_hit {
  *   opposite signs (a zero is inside) and are not all zero (a triangle seen edge-on, or without area, is never hit);
  *   its distance is the exact one, rounded to the nearest float; it must be greater than tmin and at most tmax;
  *   of hits at equal (rounded) distance, the lowest geometry wins, then the lowest primitive.
+ * A custom primitive is hit where its callback says, under the same conditions on the distance and with the same
+ * choice among equal ones.
  * Both sides of a triangle are hit. A closed mesh has no cracks. A ray with a component that is NaN or an infinite
  * origin or direction, with zero direction, or with tmin >= tmax, misses.
  *

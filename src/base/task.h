@@ -13,7 +13,7 @@
 
 #define KDR_MAX_WORKERS 256
 #define KDR_POOL_CAPACITY 256
-#define KDR_TASK_BYTES 144
+#define KDR_TASK_BYTES 152
 
 typedef struct kdr_crew {
     kdr_task_backend backend;

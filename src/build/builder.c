@@ -1,21 +1,36 @@
-/* The whole build: gather, open the large nodes with all workers, hand the rest out as tasks, lay the tree out.
+/* The whole build: gather, divide among the workers, open in order, lay the tree out.
  *
- * Source: M. Shevtsov, A. Soupikov, A. Kapustin, "Highly Parallel Fast KD-tree Construction for Interactive Ray Tracing
- * of Dynamic Scenes", 2007: the bounded pool of tasks (section 4.1), the right child to the pool and the left one kept,
- * per-worker memory (3.5). Instead of clusters cut at medians, the top of the tree is split by the heuristic like the
- * rest, each pass shared by all workers.
- * Cost: O(N log N) with small constants: 28 bytes read and about as many written a reference and level. */
+ * Three tables answer three questions that do not depend on each other: where a node is cut (splitter.h), what is
+ * opened next (order.h), who works on what (share.h). Cost: O(N log N): by binning 28 bytes read and about as many
+ * written a reference and level. */
 #include "build/builder.h"
 
 #include "base/check.h"
+#include "build/order.h"
+#include "build/share.h"
 #include "build/splitter.h"
 
 #include <math.h>
 
 #define ARENA_CHUNK ((size_t)1 << 20)
-#define SHARED_LIMIT 65536 /* larger nodes are opened by all workers together */
-#define TOP_TASKS 256      /* at most so many tasks wait before the pool starts */
-#define OFFER_LIMIT 2048   /* smaller nodes are not worth handing over */
+
+static void init_arenas(kdr_build_worker *worker, kdr_alloc *alloc) {
+    kdr_arena_init(&worker->arena, alloc, ARENA_CHUNK);
+    for (int i = 0; i < 2; i++)
+        kdr_arena_init(&worker->levels[i], alloc, ARENA_CHUNK);
+}
+
+static void destroy_arenas(kdr_build_worker *worker) {
+    kdr_arena_destroy(&worker->arena);
+    for (int i = 0; i < 2; i++)
+        kdr_arena_destroy(&worker->levels[i]);
+}
+
+static void release_buffers(kdr_workshop *shop) {
+    kdr_buffer_release(shop->alloc, &shop->layout);
+    for (int i = 0; i < 2; i++)
+        kdr_buffer_release(shop->alloc, &shop->levels[i]);
+}
 
 kdr_workshop *kdr_workshop_create(kdr_alloc *alloc, kdr_bulk *bulk, uint32_t worker_count) {
     kdr_workshop *shop = kdr_alloc_get(alloc, sizeof *shop, 64);
@@ -29,7 +44,7 @@ kdr_workshop *kdr_workshop_create(kdr_alloc *alloc, kdr_bulk *bulk, uint32_t wor
                                (KDR_NODE_MAX_INDEX + 1) / KDR_IDS_PER_CHUNK);
     for (uint32_t i = 0; shop->workers && i < worker_count; i++) {
         shop->workers[i] = (kdr_build_worker){0};
-        kdr_arena_init(&shop->workers[i].arena, alloc, ARENA_CHUNK);
+        init_arenas(&shop->workers[i], alloc);
     }
     if (!shop->workers || !pairs || !ids) {
         kdr_workshop_destroy(shop);
@@ -43,11 +58,11 @@ void kdr_workshop_destroy(kdr_workshop *shop) {
         return;
     kdr_alloc *alloc = shop->alloc;
     for (uint32_t i = 0; shop->workers && i < shop->worker_count; i++)
-        kdr_arena_destroy(&shop->workers[i].arena);
+        destroy_arenas(&shop->workers[i]);
     kdr_alloc_release(alloc, shop->workers, shop->worker_count * sizeof *shop->workers);
     kdr_chunks_release(&shop->pairs, alloc);
     kdr_chunks_release(&shop->ids, alloc);
-    kdr_buffer_release(alloc, &shop->layout);
+    release_buffers(shop);
     kdr_alloc_release(alloc, shop, sizeof *shop);
 }
 
@@ -55,80 +70,12 @@ _Static_assert(sizeof(kdr_build_task) == KDR_TASK_BYTES, "the pool copies whole 
 
 void kdr_workshop_trim(kdr_workshop *shop) {
     for (uint32_t i = 0; i < shop->worker_count; i++) {
-        kdr_arena_destroy(&shop->workers[i].arena);
-        kdr_arena_init(&shop->workers[i].arena, shop->alloc, ARENA_CHUNK);
+        destroy_arenas(&shop->workers[i]);
+        init_arenas(&shop->workers[i], shop->alloc);
     }
     kdr_chunks_trim(&shop->pairs, shop->alloc);
     kdr_chunks_trim(&shop->ids, shop->alloc);
-    kdr_buffer_release(shop->alloc, &shop->layout);
-}
-
-/* Opens a task and all that comes of it; right children go to the pool while it takes them. */
-static void open_all(kdr_build_state *state, kdr_pool *pool, uint32_t worker, kdr_build_task task) {
-    kdr_build_worker *w = &state->shop->workers[worker];
-    for (;;) {
-        kdr_build_task children[2];
-        kdr_arena_mark mark = kdr_arena_save(&w->arena);
-        kdr_opened opened = kdr_expand(state, w, false, &task, children);
-        kdr_bulk_put(state->shop->bulk, task.memory, task.memory_size);
-        if (opened != KDR_OPENED_PAIR) {
-            kdr_arena_restore(&w->arena, mark);
-            return;
-        }
-
-        /* Children in the arena are opened here; the arena gives them back together. */
-        if (!children[0].memory) {
-            open_all(state, pool, worker, children[0]);
-            open_all(state, pool, worker, children[1]);
-            kdr_arena_restore(&w->arena, mark);
-            return;
-        }
-        bool large = children[1].references.count >= OFFER_LIMIT;
-        if (!large || !kdr_pool_offer(pool, &children[1]))
-            open_all(state, pool, worker, children[1]);
-        task = children[0];
-    }
-}
-
-static void run_task(kdr_pool *pool, void *task, uint32_t worker, void *context) {
-    kdr_build_task copy;
-    memcpy(&copy, task, sizeof copy);
-    open_all(context, pool, worker, copy);
-}
-
-/* Opens the largest nodes one after the other, all workers on each, until what is left can be handed out. */
-static kdr_status open_top(kdr_build_state *state, const kdr_build_task *root) {
-    kdr_build_worker *w = &state->shop->workers[0];
-    kdr_arena_mark mark = kdr_arena_save(&w->arena);
-    kdr_build_task *tasks = kdr_arena_get(&w->arena, (TOP_TASKS + 1) * sizeof *tasks);
-    if (!tasks) {
-        kdr_bulk_put(state->shop->bulk, root->memory, root->memory_size);
-        return KDR_ERROR_OUT_OF_MEMORY;
-    }
-    uint32_t count = 0, next = 0;
-    tasks[count++] = *root;
-    bool parallel = state->crew->worker_count > 1;
-    while (parallel && next < count && count < TOP_TASKS) {
-        if (tasks[next].references.count <= SHARED_LIMIT) {
-            next++;
-            continue;
-        }
-        kdr_build_task task = tasks[next], children[2];
-        kdr_opened opened = kdr_expand(state, w, true, &task, children);
-        kdr_bulk_put(state->shop->bulk, task.memory, task.memory_size);
-        if (opened == KDR_OPENED_PAIR) {
-            tasks[next] = children[0];
-            tasks[count++] = children[1];
-        } else {
-            tasks[next] = tasks[--count];
-        }
-    }
-    kdr_status status = kdr_pool_run(state->crew, state->shop->alloc, tasks, count, run_task, state);
-    if (status != KDR_OK)
-        for (uint32_t i = 0; i < count; i++)
-            kdr_bulk_put(state->shop->bulk, tasks[i].memory, tasks[i].memory_size);
-    kdr_arena_restore(&w->arena, mark);
-    return status != KDR_OK ? status : (kdr_status)atomic_load(&state->status);
+    release_buffers(shop);
 }
 
 static void start_over(kdr_workshop *shop) {
@@ -141,6 +88,28 @@ static void start_over(kdr_workshop *shop) {
     }
 }
 
+/* Divides the root among the workers and opens all that comes of it. */
+static kdr_status open_root(kdr_build_state *state, kdr_build_task *root) {
+    const kdr_share *share = state->share;
+    if (!share->divide)
+        return state->order->run(state, root, 1);
+    kdr_arena *arena = &state->shop->workers[0].arena;
+    kdr_arena_mark mark = kdr_arena_save(arena);
+    kdr_build_task *tasks = kdr_arena_get(arena, KDR_MAX_REGIONS * sizeof *tasks);
+    if (!tasks) {
+        kdr_bulk_put(state->shop->bulk, root->memory, root->memory_size);
+        return KDR_ERROR_OUT_OF_MEMORY;
+    }
+    /* Regions are halved until there are as many as asked for, or as many as the depth allows. */
+    uint32_t wanted = state->plan.share_count, levels = state->plan.depth_limit;
+    if (levels < 32 && wanted > 1u << levels)
+        wanted = 1u << levels;
+    uint32_t count = share->divide(state, root, wanted, tasks);
+    kdr_status status = state->order->run(state, tasks, count);
+    kdr_arena_restore(arena, mark);
+    return status;
+}
+
 kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, const kdr_input *input,
                      const kdr_plan *plan, kdr_tree *tree, kdr_input_counts *counts) {
     KDR_CHECK(crew->worker_count <= shop->worker_count);
@@ -150,6 +119,8 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
                              .unsplit = kdr_unsplit_for(isa),
                              .input = input,
                              .splitter = kdr_splitter_for(plan->split),
+                             .order = plan->own_order ? plan->own_order : kdr_order_for(plan->order),
+                             .share = kdr_share_for(plan->share),
                              .plan = *plan};
     *counts = (kdr_input_counts){0};
     if (input->count > KDR_NODE_MAX_INDEX)
@@ -178,16 +149,22 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
     *kdr_growing_node(shop, root.node) = *kdr_growing_node(shop, root.node + 1) = kdr_node_leaf(0, 0);
 
     kdr_box bounds = root.box;
-    status = open_top(&state, &root);
+    status = open_root(&state, &root);
+    if (status == KDR_OK && plan->retract) {
+        kdr_build_retract(&state, &bounds);
+        status = (kdr_status)atomic_load(&state.status);
+    }
     if (status != KDR_OK)
         return status;
     kdr_tree made = {.bounds = bounds,
+                     .boxed = input->boxed,
                      .primitive_count = count,
                      .dropped_count = counts->dropped,
                      .degenerate_count = counts->degenerate,
                      .cost_traversal = plan->cost_traversal,
                      .cost_intersection = plan->cost_intersection,
-                     .depth_limit = state.plan.depth_limit};
+                     .depth_limit = state.plan.depth_limit,
+                     .clipped = plan->straddle == KDR_STRADDLE_CLIP && input->corners};
     status = kdr_build_layout(&state, &made);
     if (status == KDR_OK)
         *tree = made;

@@ -6,6 +6,7 @@
 #include "kdray/kdray.h"
 
 #define KDR_MASK_LIMIT 32                    /* primitives that fit one mask */
+#define KDR_SNAP_LIMIT 256                   /* begins or ends that are looked at around a plane */
 #define KDR_MASK_PLANES (2 * KDR_MASK_LIMIT) /* candidate planes on each axis */
 
 /* For a node of at most 32 primitives: every candidate plane with the sets of primitives on its two sides. */
@@ -21,6 +22,11 @@ typedef struct kdr_build_kernels {
      * lower plane. */
     kdr_split (*choose_binned)(const kdr_bins *bins, const kdr_bin_grid *grid, uint32_t count, const kdr_box *box,
                                const kdr_box *cell, const kdr_plan *plan, uint32_t axes);
+
+    /* The cheapest plane through a begin or an end of a box that is less than `reach` away from a plane, with its exact
+     * cost; the plane itself if there is none, or if there are more than KDR_SNAP_LIMIT begins or ends. */
+    kdr_split (*snap)(const kdr_references *from, const kdr_split *split, float reach, const kdr_box *cell,
+                      const kdr_plan *plan);
 
     /* How many references of [begin, end) go left and right of a split. */
     void (*count)(const kdr_references *from, uint32_t begin, uint32_t end, const kdr_split *split, uint32_t *left,

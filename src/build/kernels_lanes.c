@@ -6,26 +6,34 @@
 
 /* A face of the bounds as a plane that cuts off empty space. */
 static void consider_face(kdr_split *best, float face, float rim, const kdr_box *cell, uint32_t axis, float plane,
-                          bool lower, uint32_t count, float traversal) {
+                          bool lower, uint32_t count, const kdr_plan *plan) {
     if (!(plane > cell->lo[axis] && plane < cell->hi[axis]))
         return;
     float extent = lower ? cell->hi[axis] - plane : plane - cell->lo[axis];
-    float cost = traversal + (face + rim * extent) * (float)count;
+    float cost = plan->cost_traversal + (face + rim * extent) * (float)count * plan->empty_bonus;
     if (cost < best->cost)
         *best = (kdr_split){.axis = axis, .plane = plane, .flat_left = !lower, .cost = cost};
+}
+
+/* Makes planes cheaper that leave one side empty. */
+KDR_LANES_INLINE kdr_lanes_f reward_empty(kdr_lanes_f cost, kdr_lanes_f n_left, kdr_lanes_f n_right, float bonus) {
+    if (bonus == 1)
+        return cost;
+    kdr_lanes_f one = kdr_lanes_all(1);
+    return kdr_lanes_choose(kdr_lanes_less(n_left, one) | kdr_lanes_less(n_right, one), cost * bonus, cost);
 }
 
 static kdr_split choose_binned(const kdr_bins *bins, const kdr_bin_grid *grid, uint32_t count, const kdr_box *box,
                                const kdr_box *cell, const kdr_plan *plan, uint32_t axes) {
     kdr_split best = {.cost = INFINITY};
-    kdr_shares shares = kdr_shares_of(cell);
+    kdr_fractions fractions = kdr_fractions_of(cell);
     for (uint32_t k = 0; k < 3; k++) {
         if (!(axes >> k & 1))
             continue;
-        const float face = (float)(shares.face[k] * shares.inverse_area) * plan->cost_intersection;
-        const float rim = (float)(shares.rim[k] * shares.inverse_area) * plan->cost_intersection;
-        consider_face(&best, face, rim, cell, k, box->lo[k], true, count, plan->cost_traversal);
-        consider_face(&best, face, rim, cell, k, box->hi[k], false, count, plan->cost_traversal);
+        const float face = (float)(fractions.face[k] * fractions.inverse_area) * plan->cost_intersection;
+        const float rim = (float)(fractions.rim[k] * fractions.inverse_area) * plan->cost_intersection;
+        consider_face(&best, face, rim, cell, k, box->lo[k], true, count, plan);
+        consider_face(&best, face, rim, cell, k, box->hi[k], false, count, plan);
         if (grid->scale[k] == 0)
             continue;
 
@@ -51,6 +59,7 @@ static kdr_split choose_binned(const kdr_bins *bins, const kdr_bin_grid *grid, u
             kdr_lanes_f n_right =
                 __builtin_convertvector((kdr_lanes_i)(begun - kdr_lanes_load_u(right + i)), kdr_lanes_f);
             kdr_lanes_f cost = (face + rim * (plane - lo)) * n_left + (face + rim * (hi - plane)) * n_right;
+            cost = reward_empty(cost, n_left, n_right, plan->empty_bonus);
             kdr_lane_bits inside = kdr_lanes_less(lo, plane) & kdr_lanes_less(plane, hi);
             kdr_lanes_store(costs + i,
                             kdr_lanes_choose(inside, plan->cost_traversal + weight * cost, kdr_lanes_all(INFINITY)));
@@ -61,6 +70,74 @@ static kdr_split choose_binned(const kdr_bins *bins, const kdr_bin_grid *grid, u
                 best = (kdr_split){.axis = k, .plane = planes[i], .flat_left = true, .cost = costs[i]};
     }
     return best;
+}
+
+/* What lies near a plane: begins and ends of boxes inside a window, and how many boxes begin before it or end behind.
+ */
+typedef struct vicinity {
+    float begins[KDR_SNAP_LIMIT + KDR_LANES], ends[KDR_SNAP_LIMIT + KDR_LANES];
+    uint32_t begin_count, end_count, before, behind;
+} vicinity;
+
+/* False if there is more than there is room for. */
+static bool look_around(const kdr_references *from, uint32_t axis, float least, float most, vicinity *v) {
+    const float *lo = from->lo[axis], *hi = from->hi[axis];
+    const kdr_lanes_f low = kdr_lanes_all(least), high = kdr_lanes_all(most);
+    v->begin_count = v->end_count = v->before = v->behind = 0;
+    for (uint32_t i = 0; i < from->count; i += KDR_LANES) {
+        kdr_lane_bits valid = kdr_lanes_first(from->count - i);
+        kdr_lanes_f begin = kdr_lanes_load_first(lo + i, from->count - i);
+        kdr_lanes_f end = kdr_lanes_load_first(hi + i, from->count - i);
+        kdr_lane_bits before = ~kdr_lanes_less(low, begin) & valid, behind = ~kdr_lanes_less(end, high) & valid;
+        kdr_lane_bits begins = ~before & kdr_lanes_less(begin, high) & valid;
+        kdr_lane_bits ends = ~behind & kdr_lanes_less(low, end) & valid;
+        uint32_t begin_count = v->begin_count + (uint32_t)__builtin_popcount(begins);
+        uint32_t end_count = v->end_count + (uint32_t)__builtin_popcount(ends);
+        if (begin_count > KDR_SNAP_LIMIT || end_count > KDR_SNAP_LIMIT)
+            return false;
+        kdr_lanes_compress(v->begins + v->begin_count, begins, begin);
+        kdr_lanes_compress(v->ends + v->end_count, ends, end);
+        v->begin_count = begin_count;
+        v->end_count = end_count;
+        v->before += (uint32_t)__builtin_popcount(before);
+        v->behind += (uint32_t)__builtin_popcount(behind);
+    }
+    kdr_lanes_store(v->begins + v->begin_count, kdr_lanes_all(INFINITY));
+    kdr_lanes_store(v->ends + v->end_count, kdr_lanes_all(-INFINITY));
+    return true;
+}
+
+static kdr_split snap(const kdr_references *from, const kdr_split *split, float reach, const kdr_box *cell,
+                      const kdr_plan *plan) {
+    const uint32_t axis = split->axis;
+    float least = split->plane - reach, most = split->plane + reach;
+    least = least > cell->lo[axis] ? least : cell->lo[axis];
+    most = most < cell->hi[axis] ? most : cell->hi[axis];
+    vicinity v;
+    if (!look_around(from, axis, least, most, &v))
+        return *split;
+
+    /* Weigh each. What lies in a plane goes right if the plane is a begin, left if it is an end. */
+    kdr_fractions fractions = kdr_fractions_of(cell);
+    const float face = (float)(fractions.face[axis] * fractions.inverse_area) * plan->cost_intersection;
+    const float rim = (float)(fractions.rim[axis] * fractions.inverse_area) * plan->cost_intersection;
+    kdr_split best = {.axis = axis, .cost = INFINITY};
+    for (uint32_t c = 0; c < v.begin_count + v.end_count; c++) {
+        bool is_end = c >= v.begin_count;
+        float plane = is_end ? v.ends[c - v.begin_count] : v.begins[c];
+        const kdr_lanes_f at = kdr_lanes_all(plane);
+        uint32_t left = v.before, right = v.behind;
+        for (uint32_t i = 0; i < v.begin_count; i += KDR_LANES)
+            left += (uint32_t)__builtin_popcount(kdr_lanes_less(kdr_lanes_load(v.begins + i), at));
+        for (uint32_t i = 0; i < v.end_count; i += KDR_LANES)
+            right += (uint32_t)__builtin_popcount(kdr_lanes_less(at, kdr_lanes_load(v.ends + i)));
+        float cost = (face + rim * (plane - cell->lo[axis])) * (float)left +
+                     (face + rim * (cell->hi[axis] - plane)) * (float)right;
+        cost = plan->cost_traversal + cost * (left == 0 || right == 0 ? plan->empty_bonus : 1);
+        if (cost < best.cost || (cost == best.cost && plane < best.plane))
+            best = (kdr_split){.axis = axis, .plane = plane, .flat_left = is_end, .cost = cost};
+    }
+    return best.cost < INFINITY ? best : *split;
 }
 
 /* Which of the lanes go left and right. A primitive on both sides of the plane goes both ways; one that only touches it
@@ -219,21 +296,22 @@ KDR_LANES_INLINE kdr_lanes_f population(kdr_lanes_u x) {
 
 static kdr_split choose_masked(const kdr_mask_table *table, uint32_t set, const kdr_box *cell, const kdr_plan *plan,
                                uint32_t axes, uint32_t *left, uint32_t *right) {
-    kdr_shares shares = kdr_shares_of(cell);
+    kdr_fractions fractions = kdr_fractions_of(cell);
     kdr_split best = {.cost = INFINITY};
     uint32_t best_index = 0;
     for (uint32_t k = 0; k < 3; k++) {
         if (!(axes >> k & 1))
             continue;
         const kdr_lanes_f lo = kdr_lanes_all(cell->lo[k]), hi = kdr_lanes_all(cell->hi[k]);
-        const float face = (float)(shares.face[k] * shares.inverse_area) * plan->cost_intersection;
-        const float rim = (float)(shares.rim[k] * shares.inverse_area) * plan->cost_intersection;
+        const float face = (float)(fractions.face[k] * fractions.inverse_area) * plan->cost_intersection;
+        const float rim = (float)(fractions.rim[k] * fractions.inverse_area) * plan->cost_intersection;
         for (uint32_t p = 0; p < table->count; p += KDR_LANES) {
             /* cost = traversal + sum over both sides of (face + rim x extent) x primitives */
             kdr_lanes_f plane = kdr_lanes_load(table->plane[k] + p);
             kdr_lanes_f n_left = population(kdr_lanes_load_u(table->left[k] + p) & set);
             kdr_lanes_f n_right = population(kdr_lanes_load_u(table->right[k] + p) & set);
             kdr_lanes_f cost = (face + rim * (plane - lo)) * n_left + (face + rim * (hi - plane)) * n_right;
+            cost = reward_empty(cost, n_left, n_right, plan->empty_bonus);
             kdr_lane_bits inside = kdr_lanes_less(lo, plane) & kdr_lanes_less(plane, hi);
             kdr_lane_bits better = inside & kdr_lanes_less(cost, kdr_lanes_all(best.cost));
             if (!better)
@@ -262,5 +340,9 @@ static kdr_split choose_masked(const kdr_mask_table *table, uint32_t set, const 
 }
 
 extern const kdr_build_kernels KDR_LANES_SYMBOL(kdr_build_kernels);
-const kdr_build_kernels KDR_LANES_SYMBOL(kdr_build_kernels) = {
-    .choose_binned = choose_binned, .count = count, .divide = divide, .masks = masks, .choose_masked = choose_masked};
+const kdr_build_kernels KDR_LANES_SYMBOL(kdr_build_kernels) = {.choose_binned = choose_binned,
+                                                               .count = count,
+                                                               .divide = divide,
+                                                               .snap = snap,
+                                                               .masks = masks,
+                                                               .choose_masked = choose_masked};

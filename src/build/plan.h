@@ -4,6 +4,8 @@
 
 #include "build/split.h"
 
+#define KDR_PLAN_COST_LIMIT 1e6 /* of costs and of references a primitive */
+
 /* A sentence about what is wrong with a def, or NULL; static storage. */
 const char *kdr_build_def_problem(const kdr_build_def *def);
 

@@ -18,9 +18,21 @@ typedef struct kdr_split {
 typedef struct kdr_plan {
     kdr_split_rule split;
     kdr_axis_rule axis;
+    kdr_order_rule order;
+    const struct kdr_order *own_order; /* instead of that of the rule; NULL: none */
+    kdr_share_rule share;
+    uint32_t share_count;
+    kdr_event_form events;
+    kdr_straddle_rule straddle;
+    bool retract;
     float cost_traversal, cost_intersection;
+    float box_weight;  /* how much planes are weighed by the bounds of what lies beside them; 0: by cells alone */
+    float empty_bonus; /* factor of the cost of a plane that cuts off empty space */
     uint32_t leaf_limit, depth_limit;
     float reference_limit;
+    kdr_trace_rule trace; /* this and the next two: of no concern to the builder */
+    kdr_nodes_rule nodes;
+    kdr_mailbox_rule mailbox;
     bool wide; /* add the wide tree */
 } kdr_plan;
 
@@ -29,18 +41,18 @@ static inline float kdr_plan_leaf_cost(const kdr_plan *plan, uint32_t count) {
 }
 
 /* Halves of areas of the two parts of a cell cut at a plane, as fractions of the cell's. */
-typedef struct kdr_shares {
+typedef struct kdr_fractions {
     double inverse_area; /* of the cell; 0 if the cell has no area */
     double face[3];      /* area of the face across each axis */
     double rim[3];       /* half its circumference */
-} kdr_shares;
+} kdr_fractions;
 
-static inline kdr_shares kdr_shares_of(const kdr_box *cell) {
+static inline kdr_fractions kdr_fractions_of(const kdr_box *cell) {
     double d[3];
     for (int k = 0; k < 3; k++)
         d[k] = (double)cell->hi[k] - cell->lo[k];
     double area = d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
-    kdr_shares s = {.inverse_area = area > 0 ? 1 / area : 0};
+    kdr_fractions s = {.inverse_area = area > 0 ? 1 / area : 0};
     for (int k = 0; k < 3; k++) {
         double a = d[(k + 1) % 3], b = d[(k + 2) % 3];
         s.face[k] = a * b;
@@ -50,7 +62,7 @@ static inline kdr_shares kdr_shares_of(const kdr_box *cell) {
 }
 
 /* Fraction of the cell's area that a part of the given extent on the axis has. */
-static inline double kdr_share(const kdr_shares *s, uint32_t axis, double extent) {
+static inline double kdr_fraction(const kdr_fractions *s, uint32_t axis, double extent) {
     return (s->face[axis] + s->rim[axis] * extent) * s->inverse_area;
 }
 

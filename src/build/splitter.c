@@ -1,4 +1,4 @@
-/* The table of splitters, and what they share: passes over a node, counts of a plane, rules for the axis. */
+/* The table of splitters, and the rules for the axis that they share. */
 #include "build/splitter.h"
 
 #include "base/check.h"
@@ -8,43 +8,10 @@ const kdr_splitter *kdr_splitter_for(kdr_split_rule rule) {
         [KDR_SPLIT_BINNED] = &kdr_split_binned,
         [KDR_SPLIT_SPACE] = &kdr_split_space,
         [KDR_SPLIT_OBJECT] = &kdr_split_object,
+        [KDR_SPLIT_SWEEP] = &kdr_split_sweep,
     };
     KDR_CHECK((size_t)rule < sizeof rows / sizeof rows[0]);
     return rows[rule];
-}
-
-void kdr_opening_pass(const kdr_opening *opening, kdr_range_fn *fn, void *context) {
-    uint32_t count = opening->task->references.count;
-    if (opening->parallel) {
-        kdr_parallel_for(opening->state->crew, count, KDR_PASS_GRAIN, fn, context);
-        return;
-    }
-    for (uint32_t begin = 0; begin < count; begin += KDR_PASS_GRAIN)
-        fn(context, begin, count - begin < KDR_PASS_GRAIN ? count : begin + KDR_PASS_GRAIN, 0);
-}
-
-typedef struct counting {
-    const kdr_opening *opening;
-    const kdr_split *split;
-} counting;
-
-static void count_range(void *context, size_t begin, size_t end, uint32_t worker) {
-    (void)worker;
-    const counting *c = context;
-    const kdr_opening *o = c->opening;
-    size_t range = begin / KDR_PASS_GRAIN;
-    o->state->kernels->count(&o->task->references, (uint32_t)begin, (uint32_t)end, c->split, &o->left[range],
-                             &o->right[range]);
-}
-
-void kdr_opening_count(const kdr_opening *opening, const kdr_split *split, uint64_t *left, uint64_t *right) {
-    counting c = {opening, split};
-    kdr_opening_pass(opening, count_range, &c);
-    *left = *right = 0;
-    for (uint32_t i = 0; i < opening->range_count; i++) {
-        *left += opening->left[i];
-        *right += opening->right[i];
-    }
 }
 
 /* Axes by falling extent of the cell, equal ones by number. */

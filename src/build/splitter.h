@@ -2,31 +2,7 @@
 #ifndef KDR_BUILD_SPLITTER_H
 #define KDR_BUILD_SPLITTER_H
 
-#include "base/primitives.h"
-#include "build/work.h"
-
-#define KDR_PASS_GRAIN 8192 /* references of one range of a pass */
-#define KDR_TALLIES 256     /* counters of one digit of a median */
-
-/* What a splitter keeps for one worker while it looks at one node. */
-typedef union kdr_split_scratch {
-    kdr_bins bins;
-    struct {
-        uint32_t tallies[KDR_TALLIES], next;
-    } rank;
-} kdr_split_scratch;
-
-/* A node while it is being opened. */
-typedef struct kdr_opening {
-    const kdr_build_state *state;
-    const kdr_build_task *task;
-    bool parallel;              /* all workers share its passes */
-    uint32_t worker_count;      /* 1 if not */
-    uint32_t range_count;       /* of KDR_PASS_GRAIN references */
-    kdr_split_scratch *scratch; /* a worker */
-    uint32_t *left, *right;     /* a range: counts of the plane that was counted last */
-    kdr_bin_grid grid;          /* of scratch->bins */
-} kdr_opening;
+#include "build/opening.h"
 
 typedef struct kdr_splitter {
     /* Planes are weighed by the surface area heuristic: a node is a leaf where none pays, and a plane moves to the edge
@@ -37,6 +13,15 @@ typedef struct kdr_splitter {
     uint32_t finish_limit;
     void (*finish)(kdr_build_state *state, kdr_build_worker *worker, const kdr_build_task *task);
 
+    /* What is kept about a node's references, in the memory behind them, from the first node of a subtree on: bytes for
+     * so many references, making it for a node that has none, and handing it down once the references are divided. NULL
+     * where nothing is kept.
+     * prepare gives the task new memory of the bulk's, and puts back the old. divide may leave out references of
+     * children that turn out not to meet their cells, and narrow boxes. False when there is no memory. */
+    size_t (*event_bytes)(uint32_t count);
+    bool (*prepare)(kdr_build_state *state, bool parallel, kdr_build_task *task);
+    bool (*divide)(kdr_opening *opening, const kdr_split *split, kdr_build_task children[2]);
+
     /* Looks at a node's references before planes are asked for; may be NULL. */
     void (*begin)(kdr_opening *opening);
 
@@ -45,15 +30,9 @@ typedef struct kdr_splitter {
     kdr_split (*choose)(kdr_opening *opening, uint32_t axes);
 } kdr_splitter;
 
-extern const kdr_splitter kdr_split_binned, kdr_split_space, kdr_split_object;
+extern const kdr_splitter kdr_split_binned, kdr_split_space, kdr_split_object, kdr_split_sweep;
 
 const kdr_splitter *kdr_splitter_for(kdr_split_rule rule);
-
-/* One pass over the references of a node, by one worker or by all; ranges begin at multiples of KDR_PASS_GRAIN. */
-void kdr_opening_pass(const kdr_opening *opening, kdr_range_fn *fn, void *context);
-
-/* References that a plane sends left and right; leaves the counts of each range. */
-void kdr_opening_count(const kdr_opening *opening, const kdr_split *split, uint64_t *left, uint64_t *right);
 
 /* Every axis as a set of its own, in the order of a rule. Returns 3. */
 uint32_t kdr_single_axes(kdr_axis_rule rule, const kdr_box *cell, uint32_t depth, uint32_t sets[3]);

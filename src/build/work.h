@@ -18,6 +18,7 @@
 /* What a worker has for itself. Aligned so that no two share a cache line. */
 typedef struct kdr_build_worker {
     _Alignas(128) kdr_arena arena;
+    kdr_arena levels[2];             /* references of this level and of the next, breadth first */
     uint32_t pair, pair_end;         /* pairs of the chunk it is filling */
     uint32_t id, id_end;             /* the same for leaf ids */
     uint64_t interiors, leaf_groups; /* made so far */
@@ -28,16 +29,18 @@ struct kdr_workshop {
     kdr_alloc *alloc;
     uint32_t worker_count;
     kdr_build_worker *workers;
-    kdr_bulk *bulk;    /* the device's */
-    kdr_chunks pairs;  /* of nodes, while the tree grows */
-    kdr_chunks ids;    /* of the leaves' primitives */
-    kdr_buffer layout; /* for the final pass */
+    kdr_bulk *bulk;       /* the device's */
+    kdr_chunks pairs;     /* of nodes, while the tree grows */
+    kdr_chunks ids;       /* of the leaves' primitives */
+    kdr_buffer layout;    /* for the final pass */
+    kdr_buffer levels[2]; /* tasks of this level and of the next, breadth first */
 };
 
 /* A node that is still to be opened. */
 typedef struct kdr_build_task {
     kdr_references references;
-    void *memory; /* bulk memory that holds the references; NULL: they are in a worker's arena */
+    void *events; /* what the splitter keeps about the references, behind them; NULL: nothing yet */
+    void *memory; /* bulk memory that holds both; NULL: they are in a worker's arena */
     size_t memory_size;
     kdr_box cell;
     kdr_box box;     /* bounds of the references, inside the cell */
@@ -53,7 +56,10 @@ typedef struct kdr_build_state {
     const kdr_unsplit *unsplit;
     const kdr_input *input;
     const struct kdr_splitter *splitter;
+    const struct kdr_order *order;
+    const struct kdr_share *share;
     kdr_plan plan;
+    uint32_t level;     /* breadth first: 0 or 1, by turns */
     _Atomic int status; /* the first failure; workers stop when it is not KDR_OK */
 } kdr_build_state;
 
@@ -88,12 +94,16 @@ uint32_t *kdr_grow_leaf(kdr_build_state *state, kdr_build_worker *worker, uint32
 
 /* ---- expand.c: opens one task into a leaf or two tasks. */
 typedef enum kdr_opened { KDR_OPENED_LEAF, KDR_OPENED_PAIR, KDR_OPENED_FAILED } kdr_opened;
-/* `parallel`: the calling thread lets all workers help; it must then be the one that commits. */
+/* `parallel`: the calling thread lets all workers help; it must then be the one that commits. The task's memory may be
+ * exchanged for other memory; giving it back is the caller's. */
 kdr_opened kdr_expand(kdr_build_state *state, kdr_build_worker *worker, bool parallel, kdr_build_task *task,
                       kdr_build_task children[2]);
 
 /* ---- masks.c: a task of at most KDR_MASK_LIMIT references becomes a whole subtree. */
 void kdr_expand_masked(kdr_build_state *state, kdr_build_worker *worker, const kdr_build_task *task);
+
+/* ---- retract.c: makes leaves of subtrees that cost no less. Failure is left in the state. */
+void kdr_build_retract(kdr_build_state *state, const kdr_box *bounds);
 
 /* ---- layout.c: the finished tree in canonical order. */
 kdr_status kdr_build_layout(kdr_build_state *state, kdr_tree *tree);

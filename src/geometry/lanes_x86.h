@@ -43,7 +43,7 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_packed(kdr_lane_bits bits, kdr_lanes_f v)
 }
 
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_load_first(const float *from, uint32_t count) {
-    return _mm512_maskz_loadu_ps((__mmask16)_bzhi_u32(0xffffu, count), from);
+    return _mm512_maskz_loadu_ps((__mmask16)_bzhi_u32(0xffffu, count < 16 ? count : 16), from);
 }
 
 /* 0, 1, 2 ... */
@@ -59,6 +59,15 @@ KDR_LANES_INLINE kdr_lane_bits kdr_lanes_share(kdr_lanes_u v, uint32_t bits) {
 /* Lane i is from[at[i]] where its bit is set. */
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_gather(kdr_lane_bits bits, const float *from, kdr_lanes_u at) {
     return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), (__mmask16)bits, (__m512i)at, from, 4);
+}
+
+/* to[at[i]] becomes lane i where its bit is set; of lanes for one place the highest one stays. */
+KDR_LANES_INLINE void kdr_lanes_scatter(kdr_lane_bits bits, uint32_t *to, kdr_lanes_u at, kdr_lanes_u v) {
+    _mm512_mask_i32scatter_epi32(to, (__mmask16)bits, (__m512i)at, (__m512i)v, 4);
+}
+
+KDR_LANES_INLINE kdr_lane_bits kdr_lanes_differ(kdr_lanes_u a, kdr_lanes_u b) {
+    return _mm512_cmpneq_epi32_mask((__m512i)a, (__m512i)b);
 }
 
 /* Lane i is v[order[i] % 16]. */

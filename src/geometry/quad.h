@@ -25,8 +25,21 @@ KDR_QUAD_INLINE kdr_quad kdr_quad_abs(kdr_quad q) { return (kdr_quad)((kdr_quad_
 
 /* The second where either is NaN. */
 KDR_QUAD_INLINE kdr_quad kdr_quad_max(kdr_quad a, kdr_quad b) {
+#if defined(__SSE__)
+    return __builtin_ia32_maxps(a, b);
+#else
     kdr_quad_i more = a > b;
     return (kdr_quad)(((kdr_quad_i)a & more) | ((kdr_quad_i)b & ~more));
+#endif
+}
+
+KDR_QUAD_INLINE kdr_quad kdr_quad_min(kdr_quad a, kdr_quad b) {
+#if defined(__SSE__)
+    return __builtin_ia32_minps(a, b);
+#else
+    kdr_quad_i less = a < b;
+    return (kdr_quad)(((kdr_quad_i)a & less) | ((kdr_quad_i)b & ~less));
+#endif
 }
 
 /* The largest of the first three. */

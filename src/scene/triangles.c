@@ -80,22 +80,29 @@ static uint32_t boxes(const void *context, uint32_t begin, uint32_t end, const k
     return kept;
 }
 
-static void fill(const void *context, float *blocks, kdr_node leaf, const uint32_t *primitives) {
+static void corners(const void *context, uint32_t primitive, float out[3][3]) {
     const kdr_triangles *t = context;
+    uint32_t g = t->count == 1 ? 0 : kdr_geometry_of(t->first, t->count, primitive), corner[3];
+    const kdr_triangles_def *def = &t->geometries[g];
+    corners_of(def, primitive - t->first[g], corner);
+    for (int i = 0; i < 3; i++)
+        memcpy(out[i], vertex_of(def, corner[i]), sizeof out[i]);
+}
+
+static void fill(const void *context, float *blocks, kdr_node leaf, const uint32_t *primitives) {
     uint32_t count = kdr_node_count(leaf);
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t g = t->count == 1 ? 0 : kdr_geometry_of(t->first, t->count, primitives[i]);
-        const kdr_triangles_def *def = &t->geometries[g];
-        uint32_t corner[3];
-        corners_of(def, primitives[i] - t->first[g], corner);
         float vertices[3][3];
-        for (int j = 0; j < 3; j++)
-            memcpy(vertices[j], vertex_of(def, corner[j]), sizeof vertices[j]);
+        corners(context, primitives[i], vertices);
         kdr_block_set(blocks, leaf, i, (const float(*)[3])vertices, primitives[i]);
     }
     kdr_block_pad(blocks, leaf);
 }
 
 kdr_input kdr_triangles_input(const kdr_triangles *triangles) {
-    return (kdr_input){.context = triangles, .count = triangles->first[triangles->count], .boxes = boxes, .fill = fill};
+    return (kdr_input){.context = triangles,
+                       .count = triangles->first[triangles->count],
+                       .boxes = boxes,
+                       .corners = corners,
+                       .fill = fill};
 }

@@ -1,6 +1,7 @@
 /* The canonical hash: nodes in depth-first order, and of each leaf its set of primitives, so that memory order, chunks
  * and threads leave no trace. The mixing step is the finaliser of a 64-bit multiply-xorshift generator; it is no
  * defence against an adversary. */
+#include "tree/boxed.h"
 #include "tree/walk.h"
 
 static uint64_t mix(uint64_t hash, uint64_t value) {
@@ -20,7 +21,7 @@ static bool hash_node(const kdr_tree *tree, const kdr_walk *at, void *context) {
     *hash = mix(*hash, (uint64_t)count << 32 | KDR_NODE_LEAF);
     uint64_t sum = 0;
     for (uint32_t i = 0; i < count; i++)
-        sum += mix(0, kdr_block_primitive(kdr_block_of(tree->blocks, node), i));
+        sum += mix(0, kdr_leaf_primitive(tree, node, i));
     *hash = mix(*hash, sum);
     return true;
 }

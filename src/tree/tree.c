@@ -1,10 +1,9 @@
-#include "tree/tree.h"
-
-#include "base/check.h"
+#include "tree/boxed.h"
 
 bool kdr_tree_reserve(kdr_tree *tree, kdr_bulk *bulk, uint32_t node_count, uint32_t group_count) {
     size_t node_bytes = (size_t)node_count * sizeof(kdr_node);
-    size_t block_bytes = (size_t)group_count * KDR_BLOCK_GROUP_BYTES + KDR_BLOCK_TAIL_BYTES;
+    size_t group_bytes = (size_t)group_count * kdr_leaf_group_bytes(tree->boxed);
+    size_t block_bytes = group_bytes + KDR_BLOCK_TAIL_BYTES;
     size_t node_size = node_bytes, block_size = block_bytes;
     kdr_node *nodes = kdr_bulk_get(bulk, &node_size);
     float *blocks = kdr_bulk_get(bulk, &block_size);
@@ -15,7 +14,7 @@ bool kdr_tree_reserve(kdr_tree *tree, kdr_bulk *bulk, uint32_t node_count, uint3
     }
 
     /* What is read past the last block must be numbers, though nobody cares which. */
-    memset((char *)blocks + (size_t)group_count * KDR_BLOCK_GROUP_BYTES, 0, KDR_BLOCK_TAIL_BYTES);
+    memset((char *)blocks + group_bytes, 0, KDR_BLOCK_TAIL_BYTES);
     tree->nodes = nodes;
     tree->blocks = blocks;
     tree->node_count = node_count;
@@ -37,5 +36,7 @@ void kdr_tree_release(kdr_tree *tree, kdr_bulk *bulk) {
     kdr_bulk_put(bulk, tree->nodes, tree->node_bytes);
     kdr_bulk_put(bulk, tree->blocks, tree->block_bytes);
     kdr_bulk_put(bulk, tree->wide, tree->wide_bytes);
+    kdr_bulk_put(bulk, tree->arrays.plane, tree->arrays.bytes);
+    kdr_bulk_put(bulk, tree->links.box, tree->links.bytes);
     *tree = (kdr_tree){.bounds = kdr_box_empty()};
 }

@@ -1,15 +1,16 @@
 #include "tree/verify.h"
 
+#include "geometry/clip.h"
+#include "tree/boxed.h"
 #include "tree/unsplit.h"
 #include "tree/walk.h"
-
-#include <math.h>
 
 /* Invariants
  *   every plane lies within its cell; axes, indices and blocks are in range; no path is longer than the depth limit
  *   a leaf's primitives are in ascending order, or in two runs of it (unsplit.h), and each one's box meets its cell
- *   a primitive is in every leaf whose cell's inside its box meets; one that lies flat in a split plane may be on
- * either side of it, but is on one every primitive of the tree is in some leaf: their number is that of the tree */
+ *   a primitive is in every leaf whose cell's inside its box meets, or, in a tree of clipped triangles, that it meets
+ * itself; one that lies flat in a split plane may be on either side of it, but is on one every primitive of the tree is
+ * in some leaf: their number is that of the tree */
 typedef struct verifying {
     const char *wrong;
     uint64_t primitives;
@@ -20,52 +21,73 @@ static bool fail(verifying *v, const char *sentence) {
     return false;
 }
 
-static kdr_box triangle_box(const kdr_tree *tree, kdr_node leaf, uint32_t i) {
-    float t[3][3];
-    kdr_block_triangle(kdr_block_of(tree->blocks, leaf), i, t);
+/* A primitive that must be found. */
+typedef struct wanted {
+    const kdr_tree *tree;
+    uint32_t primitive;
+    float corners[3][3];
     kdr_box box;
+    uint32_t first; /* leaf that holds it; UINT32_MAX: none yet */
+} wanted;
+
+static wanted want(const kdr_tree *tree, kdr_node leaf, uint32_t i) {
+    wanted w = {.tree = tree,
+                .primitive = kdr_leaf_primitive(tree, leaf, i),
+                .box = kdr_leaf_box(tree, leaf, i),
+                .first = UINT32_MAX};
+    if (tree->clipped)
+        kdr_block_triangle(kdr_block_of(tree->blocks, leaf), i, w.corners);
+    return w;
+}
+
+/* True if the triangle reaches further into the cell than any margin of clipping. */
+static bool surely_meets(const wanted *w, const kdr_box *cell) {
+    kdr_box inner, part;
     for (int k = 0; k < 3; k++) {
-        box.lo[k] = fminf(t[0][k], fminf(t[1][k], t[2][k]));
-        box.hi[k] = fmaxf(t[0][k], fmaxf(t[1][k], t[2][k]));
+        float largest =
+            fmaxf(fmaxf(fabsf(cell->lo[k]), fabsf(cell->hi[k])), fmaxf(fabsf(w->box.lo[k]), fabsf(w->box.hi[k])));
+        inner.lo[k] = nextafterf(cell->lo[k] + largest * 0x1p-20f, INFINITY);
+        inner.hi[k] = nextafterf(cell->hi[k] - largest * 0x1p-20f, -INFINITY);
     }
-    return box;
+    return !kdr_box_is_empty(&inner) && kdr_triangle_clip((const float(*)[3])w->corners, &inner, &part);
 }
 
 /* Looks at all of a small leaf, whose primitives may be two runs in ascending order; searches a large one. */
 static bool leaf_holds(const kdr_tree *tree, kdr_node leaf, uint32_t primitive) {
     uint32_t lo = 0, hi = kdr_node_count(leaf);
-    kdr_block block = kdr_block_of(tree->blocks, leaf);
     while (hi > KDR_UNSPLIT_LIMIT && lo < hi) {
         uint32_t middle = lo + (hi - lo) / 2;
-        if (kdr_block_primitive(block, middle) < primitive)
+        if (kdr_leaf_primitive(tree, leaf, middle) < primitive)
             lo = middle + 1;
         else
             hi = middle;
     }
-    while (lo < hi && kdr_block_primitive(block, lo) != primitive)
+    while (lo < hi && kdr_leaf_primitive(tree, leaf, lo) != primitive)
         lo++;
-    return lo < kdr_node_count(leaf) && kdr_block_primitive(block, lo) == primitive;
+    return lo < kdr_node_count(leaf) && kdr_leaf_primitive(tree, leaf, lo) == primitive;
 }
 
-/* True if the primitive is wherever it must be below this node. *first becomes the first leaf that holds it. */
-static bool reaches(const kdr_tree *tree, uint32_t index, uint32_t primitive, const kdr_box *box, uint32_t *first) {
-    kdr_node node = tree->nodes[index];
+/* True if the primitive is wherever it must be below this node. */
+static bool reaches(wanted *w, uint32_t index, const kdr_box *cell) {
+    kdr_node node = w->tree->nodes[index];
     if (kdr_node_is_leaf(node)) {
-        if (!leaf_holds(tree, node, primitive))
-            return false;
-        if (*first == UINT32_MAX)
-            *first = index;
+        if (!leaf_holds(w->tree, node, w->primitive))
+            return w->tree->clipped && !surely_meets(w, cell);
+        if (w->first == UINT32_MAX)
+            w->first = index;
         return true;
     }
     uint32_t axis = kdr_node_axis(node), left = kdr_node_child(node);
     float plane = kdr_node_plane(node);
-    if (box->lo[axis] == plane && box->hi[axis] == plane) {
-        bool in_left = reaches(tree, left, primitive, box, first);
-        return reaches(tree, left + 1, primitive, box, first) || in_left;
+    kdr_box below = *cell, above = *cell;
+    below.hi[axis] = above.lo[axis] = plane;
+    if (w->box.lo[axis] == plane && w->box.hi[axis] == plane) {
+        bool in_left = reaches(w, left, &below);
+        return reaches(w, left + 1, &above) || in_left;
     }
-    if (box->lo[axis] < plane && !reaches(tree, left, primitive, box, first))
+    if (w->box.lo[axis] < plane && !reaches(w, left, &below))
         return false;
-    return !(box->hi[axis] > plane) || reaches(tree, left + 1, primitive, box, first);
+    return !(w->box.hi[axis] > plane) || reaches(w, left + 1, &above);
 }
 
 static bool verify_leaf(const kdr_tree *tree, const kdr_walk *at, verifying *v) {
@@ -73,19 +95,18 @@ static bool verify_leaf(const kdr_tree *tree, const kdr_walk *at, verifying *v) 
     uint32_t count = kdr_node_count(node);
     if (count > 0 && (uint64_t)kdr_node_first(node) + kdr_block_groups(count) > tree->group_count)
         return fail(v, "a leaf's block lies outside the blocks");
-    int runs = count <= KDR_UNSPLIT_LIMIT ? 2 : 1;
+    int runs = !tree->boxed && count <= KDR_UNSPLIT_LIMIT ? 2 : 1;
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t primitive = kdr_block_primitive(kdr_block_of(tree->blocks, node), i);
-        if (i > 0 && primitive <= kdr_block_primitive(kdr_block_of(tree->blocks, node), i - 1) && --runs == 0)
+        uint32_t primitive = kdr_leaf_primitive(tree, node, i);
+        if (i > 0 && primitive <= kdr_leaf_primitive(tree, node, i - 1) && --runs == 0)
             return fail(v, "the primitives of a leaf are not in ascending order");
-        kdr_box box = triangle_box(tree, node, i);
+        wanted w = want(tree, node, i);
         for (int k = 0; k < 3; k++)
-            if (!(box.lo[k] <= at->cell.hi[k] && box.hi[k] >= at->cell.lo[k]))
+            if (!(w.box.lo[k] <= at->cell.hi[k] && w.box.hi[k] >= at->cell.lo[k]))
                 return fail(v, "a leaf holds a primitive whose box does not meet its cell");
-        uint32_t first = UINT32_MAX;
-        if (!reaches(tree, 0, primitive, &box, &first))
-            return fail(v, "a primitive is missing from a leaf whose cell its box meets");
-        v->primitives += first == at->node;
+        if (!reaches(&w, 0, &tree->bounds))
+            return fail(v, "a primitive is missing from a leaf whose cell it meets");
+        v->primitives += w.first == at->node;
     }
     return true;
 }

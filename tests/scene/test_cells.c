@@ -145,6 +145,69 @@ static void a_scene_without_triangles_is_one_empty_leaf(void **state) {
     kdr_device_destroy(device);
 }
 
+static void box_of_ball(uint32_t primitive, float lo[3], float hi[3], void *user) {
+    (void)user;
+    for (int k = 0; k < 3; k++) {
+        lo[k] = k == 0 ? (float)(3 * primitive) : 0;
+        hi[k] = lo[k] + 1;
+    }
+}
+
+static bool hit_nothing(const kdr_ray *ray, uint32_t primitive, kdr_custom_hit *hit, void *user) {
+    (void)ray, (void)primitive, (void)hit, (void)user;
+    return false;
+}
+
+/* What a walk over two trees sees of each. */
+typedef struct tree_counts {
+    uint64_t leaves[2], roots[2], references[2];
+    bool back; /* triangles came after custom primitives */
+} tree_counts;
+
+static kdr_cell_step count_trees(const kdr_cell *cell, void *user) {
+    tree_counts *counts = user;
+    int tree = cell->is_custom;
+    counts->back = counts->back || (tree == 0 && counts->roots[1] > 0);
+    counts->roots[tree] += cell->depth == 0;
+    counts->leaves[tree] += cell->is_leaf;
+    counts->references[tree] += cell->primitive_count;
+    return KDR_CELL_INTO;
+}
+
+static void custom_primitives_have_a_tree_of_their_own_after_the_triangles(void **state) {
+    (void)state;
+    enum { BALLS = 40 };
+    kdr_device *device = make_device();
+    test_random random = test_random_start(test_random_seed(), 3);
+    soup_scene soup = soup_scene_create_kind(&random, soup_kind_find("small"), 300);
+    kdr_scene *scene = committed_scene(device, soup.geometries, SOUP_GEOMETRIES, NULL);
+    tree_counts without = {0}, with = {0};
+    assert_int_equal(kdr_scene_cells(scene, count_trees, &without), KDR_OK);
+    assert_true(without.roots[0] == 1 && without.roots[1] == 0);
+
+    kdr_custom_def balls = kdr_default_custom_def();
+    balls.primitive_count = BALLS;
+    balls.bounds = box_of_ball;
+    balls.intersect = hit_nothing;
+    kdr_build_def def = kdr_default_build_def();
+    assert_int_equal(kdr_scene_add_custom(scene, &balls, NULL), KDR_OK);
+    assert_int_equal(kdr_scene_commit(scene, &def), KDR_OK);
+    assert_int_equal(kdr_scene_cells(scene, count_trees, &with), KDR_OK);
+    kdr_tree_stats stats;
+    assert_int_equal(kdr_scene_stats(scene, &stats), KDR_OK);
+    assert_true(with.roots[0] == 1 && with.roots[1] == 1 && !with.back);
+    assert_true(with.leaves[0] == without.leaves[0] && with.leaves[0] + with.leaves[1] == stats.leaf_count);
+    assert_true(with.references[1] >= BALLS && with.references[0] + with.references[1] == stats.reference_count);
+
+    // A visitor that stops among the triangles sees nothing of the other tree.
+    part_walk walk = {.past = UINT32_MAX, .stop_after = 1};
+    assert_int_equal(kdr_scene_cells(scene, look, &walk), KDR_OK);
+    assert_true(walk.shown == 1);
+    kdr_scene_destroy(scene);
+    soup_scene_destroy(&soup);
+    kdr_device_destroy(device);
+}
+
 static void what_is_missing_is_refused(void **state) {
     (void)state;
     kdr_device *device = make_device();
@@ -197,6 +260,7 @@ int main(void) {
         cmocka_unit_test(every_cell_is_shown_before_those_inside_it_and_the_lower_side_first),
         cmocka_unit_test(a_visitor_goes_past_cells_and_stops_where_it_likes),
         cmocka_unit_test(a_scene_without_triangles_is_one_empty_leaf),
+        cmocka_unit_test(custom_primitives_have_a_tree_of_their_own_after_the_triangles),
         cmocka_unit_test(what_is_missing_is_refused),
         cmocka_unit_test(threads_look_at_cells_while_others_trace_and_nothing_is_allocated),
     };

@@ -1,0 +1,29 @@
+/* The custom primitives of a commit: their tree, and whose functions to call. Numbered through all geometries, in
+ * order. Queries read nothing else of them. */
+#ifndef KDR_SCENE_CUSTOMS_H
+#define KDR_SCENE_CUSTOMS_H
+
+#include "scene/device.h"
+
+typedef struct kdr_customs {
+    kdr_tree tree;
+    kdr_custom_def *defs; /* a geometry, as they were when the commit ran */
+    uint32_t *first;      /* first[g] is the number of geometry g's first primitive; first[count] the total */
+    uint32_t count;       /* geometries */
+} kdr_customs;
+
+/* Builds the tree. defs: `count` of them, or NULL. *out becomes NULL if there is no primitive. Whatever fails, the log
+ * is told, and nothing is held. Errors: OUT_OF_MEMORY, LIMIT, INVALID_DATA (a box with lo > hi). */
+kdr_status kdr_customs_create(kdr_device *device, const kdr_custom_def *defs, uint32_t count, const kdr_plan *plan,
+                              kdr_customs **out);
+
+/* NULL is allowed. */
+void kdr_customs_destroy(kdr_customs *customs, kdr_device *device);
+
+/* Makes an answer to a ray that the scene's triangles gave the answer of the whole scene. */
+void kdr_customs_closest(const kdr_customs *customs, kdr_ray_hit *ray_hit);
+
+/* True if the ray hits a custom primitive. */
+bool kdr_customs_any(const kdr_customs *customs, const kdr_ray *ray);
+
+#endif
