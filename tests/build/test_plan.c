@@ -168,13 +168,21 @@ static void wrong_words_are_refused_with_a_sentence_that_names_them(void **state
         {"split=Binned", "split", "binned, space, object or sweep", "Binned"},
         {"split=binned=", "split", "binned, space, object or sweep", "binned="},
         {"order=xyz", "order", "dfs or bfs", "xyz"},
-        {"share=line", "share", shares, "line"},
         {"share=none/3", "share", shares, "none/3"},
         {"share=line/0", "share", shares, "line/0"},
         {"share=line/1025", "share", shares, "line/1025"},
         {"share=grid/", "share", shares, "grid/"},
         {"share=/4", "share", shares, "/4"},
         {"share=cluster/x", "share", shares, "cluster/x"},
+        {"share=line/", "share", shares, "line/"},
+        {"share=line", "share", shares, "line"},
+        {"share=line/2/2", "share", shares, "line/2/2"},
+        {"share=line/-2", "share", shares, "line/-2"},
+        {"share=none/0", "share", shares, "none/0"},
+        {"share=", "share", shares, ""},
+        {"order=", "order", "dfs or bfs", ""},
+        {"retract=1", "retract", "no or yes", "1"},
+        {"empty-bonus=1.01", "empty-bonus", "a number above 0 and at most 1", "1.01"},
         {"events=4", "events", "2 or 3", "4"},
         {"events=", "events", "2 or 3", ""},
         {"retract=maybe", "retract", "no or yes", "maybe"},
@@ -395,15 +403,18 @@ static void a_commit_refuses_rules_that_there_are_not(void **state) {
     kdr_device *device;
     assert_int_equal(kdr_device_create(NULL, &device), KDR_OK);
     kdr_scene *scene = committed_scene(device, NULL, 0, NULL);
-    for (int i = 0; i < 10; i++) {
+    for (int i = 0; i < 16; i++) {
         kdr_build_def def = kdr_default_build_def();
         def.trace = KDR_TRACE_STACK;
-        switch (i % 5) {
+        switch (i % 8) {
         case 0: def.split = (kdr_split_rule)(i == 0 ? 4 : -1); break;
         case 1: def.axis = (kdr_axis_rule)(i == 1 ? 4 : -1); break;
         case 2: def.trace = (kdr_trace_rule)(i == 2 ? 6 : -1); break;
         case 3: def.nodes = (kdr_nodes_rule)(i == 3 ? 2 : -1); break;
-        default: def.mailbox = (kdr_mailbox_rule)(i == 4 ? 5 : -1);
+        case 4: def.order = (kdr_order_rule)(i == 4 ? 2 : -1); break;
+        case 5: def.share = (kdr_share_rule)(i == 5 ? 5 : -1), def.share_count = 2; break;
+        case 6: def.share_count = i == 6 ? 1 : KDR_MAX_SHARE_COUNT + 1, def.share = i == 6 ? 0 : KDR_SHARE_LINE; break;
+        default: def.mailbox = (kdr_mailbox_rule)(i == 7 ? 5 : -1);
         }
         char text[KDR_PLAN_TEXT_SIZE];
         assert_int_equal(kdr_scene_commit(scene, &def), KDR_ERROR_INVALID_ARGUMENT);
