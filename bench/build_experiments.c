@@ -17,6 +17,7 @@
 #define BYTES_PER_TRIANGLE 1024 /* of machine memory: larger scenes are left out of the growth */
 
 static const char *const scenes[] = {"knot", "city"};
+#define SMALL 64 /* how many times fewer triangles a small scene has */
 #define GROWTH_SCENE "knot"
 
 typedef struct request {
@@ -99,29 +100,40 @@ static const kdr_logger logger = {.log = warn};
 static const struct experiment {
     const char *name;
     void (*list)(build_group *group);
-} experiments[] = {{"pools", list_pools}, {"order", list_orders}, {"events", list_events}, {"shares", list_shares}};
+    bool small; /* also on a small scene, which fits in caches */
+} experiments[] = {{"pools", list_pools, true},
+                   {"order", list_orders, true},
+                   {"events", list_events, false},
+                   {"shares", list_shares, false}};
 
 static bool is_wanted(const request *r, const char *experiment) { return !r->only || strcmp(r->only, experiment) == 0; }
 
-/* Every experiment but the growth on one scene; gives the mesh back. */
-static bool measure_scene(const request *r, const char *name, kdr_mesh *mesh) {
+/* Every experiment but the growth on one scene, or those for small ones; gives the mesh back. */
+static bool measure_scene(const request *r, const char *name, bool small, kdr_mesh *mesh) {
     bool done = true;
     for (size_t i = 0; i < sizeof experiments / sizeof experiments[0] && done; i++) {
         build_group group = {.experiment = experiments[i].name};
         experiments[i].list(&group);
-        if (is_wanted(r, group.experiment))
+        if (is_wanted(r, group.experiment) && (!small || experiments[i].small))
             done = build_timing_group(stdout, &group, &r->effort, name, mesh);
     }
     kdr_mesh_destroy(mesh);
     return done;
 }
 
+/* A built-in scene; below the size asked for it is a small one. */
+static bool make_and_measure(const request *r, const char *name, size_t triangles) {
+    bool small = triangles < r->triangles;
+    kdr_mesh *mesh;
+    return kdr_mesh_make(name, triangles, 0, &logger, &mesh) == KDR_OK && measure_scene(r, name, small, mesh);
+}
+
 static bool measure_built_in(const request *r) {
-    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
-        kdr_mesh *mesh;
-        if (kdr_mesh_make(scenes[i], r->triangles, 0, &logger, &mesh) != KDR_OK || !measure_scene(r, scenes[i], mesh))
+    size_t small = r->triangles / SMALL < 100 ? 100 : r->triangles / SMALL;
+    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++)
+        if (!make_and_measure(r, scenes[i], r->triangles) ||
+            (small < r->triangles && !make_and_measure(r, scenes[i], small)))
             return false;
-    }
     return true;
 }
 
@@ -151,7 +163,7 @@ static bool measure_files(const request *r) {
     for (size_t i = 0; i < found.gl_pathc && done; i++) {
         kdr_mesh *mesh;
         name_of(found.gl_pathv[i], name, sizeof name);
-        done = kdr_mesh_read(found.gl_pathv[i], &logger, &mesh) == KDR_OK && measure_scene(r, name, mesh);
+        done = kdr_mesh_read(found.gl_pathv[i], &logger, &mesh) == KDR_OK && measure_scene(r, name, false, mesh);
     }
     globfree(&found);
     return done;
