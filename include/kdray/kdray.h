@@ -399,6 +399,27 @@ typedef struct kdr_tree_stats {
 /* Walks the committed trees and counts. Errors: INVALID_ARGUMENT. Thread safe with queries. */
 KDR_API kdr_status kdr_scene_stats(const kdr_scene *scene, kdr_tree_stats *out);
 
+/* A node of the committed tree: a box of space, divided in two by a plane or else a leaf. */
+typedef struct kdr_cell {
+    float bounds[6];          /* {min x, y, z, max x, y, z} */
+    uint32_t depth;           /* the root has 0 */
+    bool is_leaf, is_custom;  /* custom: of the tree of the custom primitives, not of the triangles' */
+    uint32_t axis;            /* of the split plane: 0, 1, 2; 0 for a leaf */
+    float plane;              /* where it cuts that axis; 0 for a leaf */
+    uint32_t primitive_count; /* in the leaf, each counted in every leaf that has it; 0 if not a leaf */
+} kdr_cell;
+
+/* What a visitor wants next: cells inside this one and what follows, what follows, or nothing more. */
+typedef enum kdr_cell_step { KDR_CELL_INTO, KDR_CELL_PAST, KDR_CELL_STOP } kdr_cell_step;
+typedef kdr_cell_step kdr_cell_fn(const kdr_cell *cell, void *user); /* cell: valid during the call only */
+
+/* Shows the cells of the committed tree to a visitor, on the calling thread: every cell before those inside it, what
+ * lies below a plane before what lies above it; then those of the custom primitives' tree, if there are any. A tree
+ * without triangles is one empty leaf with min > max. The visitor may ask queries, but not change the scene. Never
+ * allocates. Errors: INVALID_ARGUMENT (scene or visit NULL); that the visitor stops is none. Thread safe with queries.
+ */
+KDR_API kdr_status kdr_scene_cells(const kdr_scene *scene, kdr_cell_fn *visit, void *user);
+
 /* A number that is equal for equal trees (nodes, split planes and the primitives of each leaf), however they lie in
  * memory and whoever built them. 0 before the first commit. */
 KDR_API uint64_t kdr_scene_hash(const kdr_scene *scene);

@@ -72,6 +72,10 @@ run bench "$scene" -r 8x8 --rounds 1 --only kdray --plan "split=space leaf-limit
 holds "bench runs by a plan" exits 0
 holds "its CSV tells the plan" grep -qE '^# plan: split=space axis=longest .* leaf-limit=9 ' out
 
+run bench "$scene" -r 8x8 --rounds 1 --only kdray --plan "split=space leaf-limit=9" --json -
+holds "every row of its JSON tells the plan" is \
+    "$(grep -cE '"plan": "split=space axis=longest .* leaf-limit=9 ' out) $(grep -c '"tracer": ' out)" "2 2"
+
 # What is refused
 refuses() {
     local plan=$1 sentence=$2 command
