@@ -131,6 +131,27 @@ static void large_scenes_have_one_tree_whatever_the_order_and_the_workers(void *
     close_devices(&on);
 }
 
+static void one_region_is_the_tree_without_regions_and_sixty_four_are_another(void **state) {
+    (void)state;
+    devices on = open_devices();
+    test_random random = test_random_start(test_random_seed(), 200);
+    soup_scene soup = soup_scene_create_kind(&random, soup_kind_find("small"), TEST_SIZE(10000));
+    for (size_t split = 0; split < split_row_count; split++) {
+        char text[PLAN_ROW_TEXT];
+        kdr_build_def def = plan_of_words(text, split_rows[split], "", "", "");
+        uint64_t none = hash_of(on.of[1], &soup, &def);
+        for (size_t share = 1; share < share_row_count; share++) {
+            def = plan_of_words(text, split_rows[split], "", share_rows[share], "");
+            if (def.share_count != 1 && def.share_count != 64)
+                continue;
+            if ((hash_of(on.of[1], &soup, &def) == none) != (def.share_count == 1))
+                fail_msg("%s: %s", text, def.share_count == 1 ? "one region is another tree" : "regions do nothing");
+        }
+    }
+    soup_scene_destroy(&soup);
+    close_devices(&on);
+}
+
 /* Points in the unit cube, as triangles so small that hardly any is cut. */
 static soup_scene create_dust(uint64_t sequence, size_t count) {
     test_random random = test_random_start(test_random_seed(), sequence);
@@ -307,6 +328,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_plan_makes_sound_trees_that_answer_as_the_oracle_whatever_the_order_and_the_workers),
         cmocka_unit_test(large_scenes_have_one_tree_whatever_the_order_and_the_workers),
+        cmocka_unit_test(one_region_is_the_tree_without_regions_and_sixty_four_are_another),
         cmocka_unit_test(there_are_as_many_regions_as_asked_for_of_about_one_size),
         cmocka_unit_test(regions_leave_half_of_the_references_that_may_be_added_to_what_is_below_them),
         cmocka_unit_test(a_triangle_is_in_the_subtree_of_every_region_it_reaches_into),

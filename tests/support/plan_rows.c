@@ -16,7 +16,8 @@ const char *const split_rows[] = {"split=binned",
                                   "split=sweep",
                                   "split=sweep events=3",
                                   "split=sweep straddle=clip",
-                                  "split=sweep events=3 straddle=clip retract=yes box-weight=1"};
+                                  "split=sweep events=3 straddle=clip retract=yes box-weight=1",
+                                  "quality=best"};
 const size_t split_row_count = COUNT(split_rows);
 
 const char *const axis_rows[] = {"axis=best", "axis=longest", "axis=robin"};
