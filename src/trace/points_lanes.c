@@ -1,0 +1,161 @@
+/* Searches about a point: the closest primitive, and all within a distance (SPEC T11).
+ *
+ * Source: J. H. Friedman, J. L. Bentley, R. A. Finkel, "An Algorithm for Finding Best Matches in Logarithmic Expected
+ * Time", 1977, for the search down to the query point's leaf and back through the cells that are near enough. That
+ * primitives lie in several leaves, and who reports them, is our own.
+ *
+ * Invariant: a cell is left out only if its square is more than the one searched for. The closest point of a primitive
+ * lies in its box, and the primitive is in every leaf whose cell holds points of its box, so some leaf that holds both
+ * has a square that is no larger than the primitive's, in the numbers as computed: see triangle_point.h.
+ * Cost: a step a node; for each vector of a leaf's primitives some 20 operations, and the exact point of those whose
+ * box is near enough. */
+#include "trace/points.h"
+
+#include "geometry/lanes.h"
+
+/* A square as a float that is not too small, with room for the roundings of a box's square in floats: each of its
+ * three differences, squares and sums has one, less than 2^-21 in all, and at most 2^-147 is added below the smallest
+ * floats. */
+static inline float filter_limit(double square) {
+    double most = square * (1 + 0x1p-20) + 0x1p-140;
+    return most < 0x1p127 ? (float)most : INFINITY;
+}
+
+/* Lanes from `first` on whose triangle's box is not surely beyond the limit. */
+KDR_LANES_INLINE kdr_lane_bits near_boxes(kdr_block block, size_t first, const float query[3], float limit) {
+    kdr_lanes_f square = kdr_lanes_all(0);
+    for (size_t k = 0; k < 3; k++) {
+        const float *row = block.rows + k * block.length + first;
+        kdr_lanes_f a = kdr_lanes_load(row), b = kdr_lanes_load(row + 3 * block.length);
+        kdr_lanes_f c = kdr_lanes_load(row + 6 * block.length), at = kdr_lanes_all(query[k]);
+        kdr_lanes_f below = kdr_lanes_min(kdr_lanes_min(a, b), c) - at;
+        kdr_lanes_f above = at - kdr_lanes_max(kdr_lanes_max(a, b), c);
+        kdr_lanes_f beyond = kdr_lanes_max(kdr_lanes_max(below, above), kdr_lanes_all(0));
+        square = square + beyond * beyond;
+    }
+    return ~kdr_lanes_less(kdr_lanes_all(limit), square) & kdr_lanes_first((uint32_t)(block.shown - first));
+}
+
+/* Makes *nearest the closest of itself and the block's primitives. */
+KDR_LANES_INLINE void block_closest(kdr_block block, const float query[3], kdr_nearest *nearest, float *limit) {
+    for (size_t first = 0; first < block.shown; first += KDR_LANES) {
+        kdr_lane_bits left = near_boxes(block, first, query, *limit);
+        for (; left; left &= left - 1) {
+            size_t i = first + (uint32_t)__builtin_ctz(left);
+            uint32_t primitive = kdr_block_primitive(block, i);
+            if (primitive == UINT32_MAX || primitive == nearest->primitive)
+                continue;
+            float corner[3][3];
+            kdr_block_triangle(block, i, corner);
+            kdr_surface_point point = kdr_triangle_point(query, (const float(*)[3])corner);
+            if (point.square < nearest->point.square ||
+                (point.square == nearest->point.square && primitive < nearest->primitive)) {
+                *nearest = (kdr_nearest){point, primitive};
+                *limit = filter_limit(point.square);
+            }
+        }
+    }
+}
+
+/* Cells that wait, with their squares axis by axis. */
+typedef struct waiting_cell {
+    uint32_t node;
+    double square[3];
+} waiting_cell;
+
+static void closest(const kdr_tree *tree, const float query[3], kdr_nearest *nearest) {
+    if (kdr_box_is_empty(&tree->bounds))
+        return;
+    waiting_cell stack[KDR_MAX_DEPTH + 1], at = {.node = 0};
+    uint32_t top = 0;
+    float limit = filter_limit(nearest->point.square);
+    for (int k = 0; k < 3; k++)
+        at.square[k] = kdr_interval_square(query[k], tree->bounds.lo[k], tree->bounds.hi[k]);
+    for (;;) {
+        if ((at.square[0] + at.square[1]) + at.square[2] <= nearest->point.square) {
+            /* Go down to a leaf, on the query point's side of each plane; the other side waits. */
+            kdr_node node = tree->nodes[at.node];
+            while (!kdr_node_is_leaf(node)) {
+                uint32_t axis = kdr_node_axis(node);
+                double beyond = (double)query[axis] - kdr_node_plane(node);
+                at.node = kdr_node_child(node) + (beyond >= 0);
+                stack[top] = at;
+                stack[top].node ^= 1;
+                stack[top++].square[axis] = beyond * beyond;
+                node = tree->nodes[at.node];
+            }
+            block_closest(kdr_block_of(tree->blocks, node), query, nearest, &limit);
+        }
+        if (top == 0)
+            return kdr_lanes_leave();
+        at = stack[--top];
+    }
+}
+
+/* True if this leaf, of those that hold the triangle, is the one to report it: the one whose cell has its closest
+ * point. A point in a split plane belongs to the right side, unless the triangle is on the left one only. */
+static inline bool owns(const kdr_box *cell, const float corner[3][3], const double at[3]) {
+    for (int k = 0; k < 3; k++) {
+        float hi = fmaxf(fmaxf(corner[0][k], corner[1][k]), corner[2][k]);
+        if (at[k] < cell->lo[k] || (at[k] >= cell->hi[k] && hi > cell->hi[k]))
+            return false;
+    }
+    return true;
+}
+
+typedef struct waiting_box {
+    uint32_t node;
+    kdr_box cell;
+} waiting_box;
+
+static bool block_within(kdr_block block, const kdr_box *cell, const float query[3], double square, float limit,
+                         kdr_near_fn *visit, void *context) {
+    for (size_t first = 0; first < block.shown; first += KDR_LANES) {
+        kdr_lane_bits left = near_boxes(block, first, query, limit);
+        for (; left; left &= left - 1) {
+            size_t i = first + (uint32_t)__builtin_ctz(left);
+            kdr_nearest found = {.primitive = kdr_block_primitive(block, i)};
+            if (found.primitive == UINT32_MAX)
+                continue;
+            float corner[3][3];
+            kdr_block_triangle(block, i, corner);
+            found.point = kdr_triangle_point(query, (const float(*)[3])corner);
+            if (found.point.square > square || !owns(cell, (const float(*)[3])corner, found.point.at))
+                continue;
+            kdr_lanes_leave();
+            if (!visit(&found, context))
+                return false;
+        }
+    }
+    return true;
+}
+
+static bool within(const kdr_tree *tree, const float query[3], double square, kdr_near_fn *visit, void *context) {
+    waiting_box stack[KDR_MAX_DEPTH + 1];
+    uint32_t top = 0;
+    float limit = filter_limit(square);
+    if (!kdr_box_is_empty(&tree->bounds))
+        stack[top++] = (waiting_box){0, tree->bounds};
+    while (top > 0) {
+        waiting_box at = stack[--top];
+        if (kdr_box_square(query, at.cell.lo, at.cell.hi) > square)
+            continue;
+        kdr_node node = tree->nodes[at.node];
+        if (kdr_node_is_leaf(node)) {
+            if (!block_within(kdr_block_of(tree->blocks, node), &at.cell, query, square, limit, visit, context))
+                return false;
+            continue;
+        }
+        uint32_t axis = kdr_node_axis(node);
+        at.node = kdr_node_child(node);
+        waiting_box right = {at.node + 1, at.cell};
+        at.cell.hi[axis] = right.cell.lo[axis] = kdr_node_plane(node);
+        stack[top++] = right;
+        stack[top++] = at;
+    }
+    kdr_lanes_leave();
+    return true;
+}
+
+extern const kdr_point_searches KDR_LANES_SYMBOL(kdr_point_searches);
+const kdr_point_searches KDR_LANES_SYMBOL(kdr_point_searches) = {.closest = closest, .within = within};
