@@ -12,6 +12,7 @@
 #include "trace/points.h"
 
 #include "geometry/lanes.h"
+#include "tree/wide.h"
 
 /* A square as a float that is not too small, with room for the roundings of a box's square in floats: each of its
  * three differences, squares and sums has one, less than 2^-21 in all, and at most 2^-147 is added below the smallest
@@ -21,17 +22,21 @@ static inline float filter_limit(double square) {
     return most < 0x1p127 ? (float)most : INFINITY;
 }
 
+/* Adds one axis to the squares of the distances to boxes. */
+KDR_LANES_INLINE kdr_lanes_f add_axis(kdr_lanes_f square, kdr_lanes_f lo, kdr_lanes_f hi, float query) {
+    kdr_lanes_f at = kdr_lanes_all(query);
+    kdr_lanes_f beyond = kdr_lanes_max(kdr_lanes_max(lo - at, at - hi), kdr_lanes_all(0));
+    return kdr_lanes_add_product(square, beyond, beyond);
+}
+
 /* Lanes from `first` on whose triangle's box is not surely beyond the limit. */
 KDR_LANES_INLINE kdr_lane_bits near_boxes(kdr_block block, size_t first, const float query[3], float limit) {
     kdr_lanes_f square = kdr_lanes_all(0);
     for (size_t k = 0; k < 3; k++) {
         const float *row = block.rows + k * block.length + first;
         kdr_lanes_f a = kdr_lanes_load(row), b = kdr_lanes_load(row + 3 * block.length);
-        kdr_lanes_f c = kdr_lanes_load(row + 6 * block.length), at = kdr_lanes_all(query[k]);
-        kdr_lanes_f below = kdr_lanes_min(kdr_lanes_min(a, b), c) - at;
-        kdr_lanes_f above = at - kdr_lanes_max(kdr_lanes_max(a, b), c);
-        kdr_lanes_f beyond = kdr_lanes_max(kdr_lanes_max(below, above), kdr_lanes_all(0));
-        square = square + beyond * beyond;
+        kdr_lanes_f c = kdr_lanes_load(row + 6 * block.length);
+        square = add_axis(square, kdr_lanes_min(kdr_lanes_min(a, b), c), kdr_lanes_max(kdr_lanes_max(a, b), c), query[k]);
     }
     return ~kdr_lanes_less(kdr_lanes_all(limit), square) & kdr_lanes_first((uint32_t)(block.shown - first));
 }
@@ -63,9 +68,8 @@ typedef struct waiting_cell {
     double square[3];
 } waiting_cell;
 
-static void closest(const kdr_tree *tree, const float query[3], kdr_nearest *nearest) {
-    if (kdr_box_is_empty(&tree->bounds))
-        return;
+/* Through the cells of the tree. */
+KDR_LANES_INLINE void cells_closest(const kdr_tree *tree, const float query[3], kdr_nearest *nearest) {
     waiting_cell stack[KDR_MAX_DEPTH + 1], at = {.node = 0};
     uint32_t top = 0;
     float limit = filter_limit(nearest->point.square);
@@ -87,9 +91,63 @@ static void closest(const kdr_tree *tree, const float query[3], kdr_nearest *nea
             block_closest(kdr_block_of(tree->blocks, node), query, nearest, &limit);
         }
         if (top == 0)
-            return kdr_lanes_leave();
+            return;
         at = stack[--top];
     }
+}
+
+/* Children of wide nodes that wait, the nearest on top but for those of nodes above. */
+typedef struct waiting_child {
+    float square; /* of the distance to its box, about */
+    uint32_t child;
+} waiting_child;
+
+/* Puts the children of a node that are near enough on the stack; returns its new length. */
+KDR_LANES_INLINE uint32_t open_wide(const kdr_wide_node *node, const float query[3], float limit, waiting_child *stack,
+                                    uint32_t top) {
+    float squares[KDR_WIDE];
+    uint32_t near = 0, bottom = top;
+    for (uint32_t i = 0; i < KDR_WIDE; i += KDR_LANES) {
+        kdr_lanes_f square = kdr_lanes_all(0), lo, hi;
+        for (size_t k = 0; k < 3; k++) {
+            lo = kdr_lanes_load(node->face[2 * k] + i);
+            hi = kdr_lanes_load(node->face[2 * k + 1] + i);
+            square = add_axis(square, lo, hi, query[k]);
+        }
+        kdr_lanes_store(squares + i, square);
+        near |= (KDR_LANE_BITS_ALL & ~(kdr_lanes_less(kdr_lanes_all(limit), square) | kdr_lanes_less(hi, lo))) << i;
+    }
+    for (; near; near &= near - 1) {
+        uint32_t place = (uint32_t)__builtin_ctz(near), at = top++;
+        for (; at > bottom && stack[at - 1].square < squares[place]; at--)
+            stack[at] = stack[at - 1];
+        stack[at] = (waiting_child){squares[place], node->child[place]};
+    }
+    return top;
+}
+
+/* Through the boxes of the wide tree, which are tight. */
+KDR_LANES_INLINE void boxes_closest(const kdr_tree *tree, const float query[3], kdr_nearest *nearest) {
+    waiting_child stack[KDR_MAX_DEPTH * (KDR_WIDE - 1) + 1];
+    float limit = filter_limit(nearest->point.square);
+    uint32_t top = open_wide(tree->wide, query, limit, stack, 0);
+    while (top > 0) {
+        const waiting_child at = stack[--top];
+        if (at.square > limit)
+            continue;
+        if (at.child & KDR_WIDE_LEAF)
+            block_closest(kdr_wide_block(tree, at.child), query, nearest, &limit);
+        else
+            top = open_wide(&tree->wide[at.child], query, limit, stack, top);
+    }
+}
+
+static void closest(const kdr_tree *tree, const float query[3], kdr_nearest *nearest) {
+    if (tree->wide)
+        boxes_closest(tree, query, nearest);
+    else if (!kdr_box_is_empty(&tree->bounds))
+        cells_closest(tree, query, nearest);
+    kdr_lanes_leave();
 }
 
 /* True if this leaf, of those that hold the triangle, is the one to report it: the one whose cell has its closest
