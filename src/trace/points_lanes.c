@@ -11,40 +11,13 @@
  * box is near enough. */
 #include "trace/points.h"
 
-#include "geometry/lanes.h"
+#include "trace/near_lanes.h"
 #include "tree/wide.h"
 
-/* A square as a float that is not too small, with room for the roundings of a box's square in floats: each of its
- * three differences, squares and sums has one, less than 2^-21 in all, and at most 2^-147 is added below the smallest
- * floats. */
-static inline float filter_limit(double square) {
-    double most = square * (1 + 0x1p-20) + 0x1p-140;
-    return most < 0x1p127 ? (float)most : INFINITY;
-}
-
-/* Adds one axis to the squares of the distances to boxes. */
-KDR_LANES_INLINE kdr_lanes_f add_axis(kdr_lanes_f square, kdr_lanes_f lo, kdr_lanes_f hi, float query) {
-    kdr_lanes_f at = kdr_lanes_all(query);
-    kdr_lanes_f beyond = kdr_lanes_max(kdr_lanes_max(lo - at, at - hi), kdr_lanes_all(0));
-    return kdr_lanes_add_product(square, beyond, beyond);
-}
-
-/* Lanes from `first` on whose triangle's box is not surely beyond the limit. */
-KDR_LANES_INLINE kdr_lane_bits near_boxes(kdr_block block, size_t first, const float query[3], float limit) {
-    kdr_lanes_f square = kdr_lanes_all(0);
-    for (size_t k = 0; k < 3; k++) {
-        const float *row = block.rows + k * block.length + first;
-        kdr_lanes_f a = kdr_lanes_load(row), b = kdr_lanes_load(row + 3 * block.length);
-        kdr_lanes_f c = kdr_lanes_load(row + 6 * block.length);
-        square = add_axis(square, kdr_lanes_min(kdr_lanes_min(a, b), c), kdr_lanes_max(kdr_lanes_max(a, b), c), query[k]);
-    }
-    return ~kdr_lanes_less(kdr_lanes_all(limit), square) & kdr_lanes_first((uint32_t)(block.shown - first));
-}
-
 /* Makes *nearest the closest of itself and the block's primitives. */
-KDR_LANES_INLINE void block_closest(kdr_block block, const float query[3], kdr_nearest *nearest, float *limit) {
+KDR_LANES_INLINE void block_closest(kdr_block block, const float query[3], kdr_nearest *nearest, near_limit *limit) {
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
-        kdr_lane_bits left = near_boxes(block, first, query, *limit);
+        kdr_lane_bits left = near_lanes(block, first, NULL, query, limit);
         for (; left; left &= left - 1) {
             size_t i = first + (uint32_t)__builtin_ctz(left);
             uint32_t primitive = kdr_block_primitive(block, i);
@@ -56,7 +29,7 @@ KDR_LANES_INLINE void block_closest(kdr_block block, const float query[3], kdr_n
             if (point.square < nearest->point.square ||
                 (point.square == nearest->point.square && primitive < nearest->primitive)) {
                 *nearest = (kdr_nearest){point, primitive};
-                *limit = filter_limit(point.square);
+                near_limit_set(limit, point.square);
             }
         }
     }
@@ -72,7 +45,8 @@ typedef struct waiting_cell {
 KDR_LANES_INLINE void cells_closest(const kdr_tree *tree, const float query[3], kdr_nearest *nearest) {
     waiting_cell stack[KDR_MAX_DEPTH + 1], at = {.node = 0};
     uint32_t top = 0;
-    float limit = filter_limit(nearest->point.square);
+    near_limit limit;
+    near_limit_begin(&limit, tree, query, nearest->point.square);
     for (int k = 0; k < 3; k++)
         at.square[k] = kdr_interval_square(query[k], tree->bounds.lo[k], tree->bounds.hi[k]);
     for (;;) {
@@ -112,7 +86,7 @@ KDR_LANES_INLINE uint32_t open_wide(const kdr_wide_node *node, const float query
         for (size_t k = 0; k < 3; k++) {
             lo = kdr_lanes_load(node->face[2 * k] + i);
             hi = kdr_lanes_load(node->face[2 * k + 1] + i);
-            square = add_axis(square, lo, hi, query[k]);
+            square = near_add_axis(square, lo, hi, query[k]);
         }
         kdr_lanes_store(squares + i, square);
         near |= (KDR_LANE_BITS_ALL & ~(kdr_lanes_less(kdr_lanes_all(limit), square) | kdr_lanes_less(hi, lo))) << i;
@@ -129,16 +103,17 @@ KDR_LANES_INLINE uint32_t open_wide(const kdr_wide_node *node, const float query
 /* Through the boxes of the wide tree, which are tight. */
 KDR_LANES_INLINE void boxes_closest(const kdr_tree *tree, const float query[3], kdr_nearest *nearest) {
     waiting_child stack[KDR_MAX_DEPTH * (KDR_WIDE - 1) + 1];
-    float limit = filter_limit(nearest->point.square);
-    uint32_t top = open_wide(tree->wide, query, limit, stack, 0);
+    near_limit limit;
+    near_limit_begin(&limit, tree, query, nearest->point.square);
+    uint32_t top = open_wide(tree->wide, query, limit.square, stack, 0);
     while (top > 0) {
         const waiting_child at = stack[--top];
-        if (at.square > limit)
+        if (at.square > limit.square)
             continue;
         if (at.child & KDR_WIDE_LEAF)
             block_closest(kdr_wide_block(tree, at.child), query, nearest, &limit);
         else
-            top = open_wide(&tree->wide[at.child], query, limit, stack, top);
+            top = open_wide(&tree->wide[at.child], query, limit.square, stack, top);
     }
 }
 
@@ -166,10 +141,10 @@ typedef struct waiting_box {
     kdr_box cell;
 } waiting_box;
 
-static bool block_within(kdr_block block, const kdr_box *cell, const float query[3], double square, float limit,
-                         kdr_near_fn *visit, void *context) {
+static bool block_within(kdr_block block, const kdr_box *cell, const float query[3], double square,
+                         const near_limit *limit, kdr_near_fn *visit, void *context) {
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
-        kdr_lane_bits left = near_boxes(block, first, query, limit);
+        kdr_lane_bits left = near_lanes(block, first, cell, query, limit);
         for (; left; left &= left - 1) {
             size_t i = first + (uint32_t)__builtin_ctz(left);
             kdr_nearest found = {.primitive = kdr_block_primitive(block, i)};
@@ -191,7 +166,8 @@ static bool block_within(kdr_block block, const kdr_box *cell, const float query
 static bool within(const kdr_tree *tree, const float query[3], double square, kdr_near_fn *visit, void *context) {
     waiting_box stack[KDR_MAX_DEPTH + 1];
     uint32_t top = 0;
-    float limit = filter_limit(square);
+    near_limit limit;
+    near_limit_begin(&limit, tree, query, square);
     if (!kdr_box_is_empty(&tree->bounds))
         stack[top++] = (waiting_box){0, tree->bounds};
     while (top > 0) {
@@ -200,7 +176,7 @@ static bool within(const kdr_tree *tree, const float query[3], double square, kd
             continue;
         kdr_node node = tree->nodes[at.node];
         if (kdr_node_is_leaf(node)) {
-            if (!block_within(kdr_block_of(tree->blocks, node), &at.cell, query, square, limit, visit, context))
+            if (!block_within(kdr_block_of(tree->blocks, node), &at.cell, query, square, &limit, visit, context))
                 return false;
             continue;
         }
