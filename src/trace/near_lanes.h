@@ -16,7 +16,7 @@
 
 typedef struct near_limit {
     float square;   /* of a box, at most: not less than the one searched for */
-    float inverse;  /* 1 / T */
+    float plane;    /* the square of T */
     float reach;    /* no corner of the tree's is farther away */
     bool has_plane; /* the numbers are in the range of the second filter: nothing overflows or is lost */
 } near_limit;
@@ -26,7 +26,8 @@ typedef struct near_limit {
 KDR_LANES_INLINE void near_limit_set(near_limit *limit, double square) {
     double most = square * (1 + 0x1p-20) + 0x1p-140;
     limit->square = most < 0x1p127 ? (float)most : INFINITY;
-    limit->inverse = (float)((1 - 0x1p-20) / (sqrt(square) + 0x1p-20 * limit->reach));
+    double distance = sqrt(square) * (1 + 0x1p-16) + 0x1p-20 * limit->reach;
+    limit->plane = distance < 0x1p63 ? (float)(distance * distance) : INFINITY;
 }
 
 KDR_LANES_INLINE void near_limit_begin(near_limit *limit, const kdr_tree *tree, const float query[3], double square) {
@@ -74,9 +75,8 @@ KDR_LANES_INLINE void near_cross(const kdr_lanes_f p[3], const kdr_lanes_f q[3],
         product[k] = kdr_lanes_less_product(p[(k + 1) % 3] * q[(k + 2) % 3], p[(k + 2) % 3], q[(k + 1) % 3]);
 }
 
-/* Of some lanes those whose triangle a plane does not part from the query point at the limit. */
-KDR_LANES_INLINE kdr_lane_bits near_planes(kdr_block block, size_t first, const float query[3], const near_limit *limit,
-                                           kdr_lane_bits lanes) {
+/* Squares that those of the lanes' triangles are not less than, but for what is in near_limit.plane. */
+KDR_LANES_INLINE kdr_lanes_f near_planes(kdr_block block, size_t first, const float query[3]) {
     kdr_lanes_f corner[3][3], edge[3][3], normal[3], product[3];
     for (size_t i = 0; i < 3; i++)
         for (size_t k = 0; k < 3; k++)
@@ -113,17 +113,14 @@ KDR_LANES_INLINE kdr_lane_bits near_planes(kdr_block block, size_t first, const 
     /* How far along it the corners are, on whichever side. */
     kdr_lanes_f a = near_dot(corner[0], to), b = near_dot(corner[1], to), c = near_dot(corner[2], to);
     kdr_lanes_f low = kdr_lanes_min(kdr_lanes_min(a, b), c), high = kdr_lanes_max(kdr_lanes_max(a, b), c);
-    kdr_lanes_f apart = kdr_lanes_max(kdr_lanes_max(low, -high), kdr_lanes_all(0)) * kdr_lanes_all(limit->inverse);
-    kdr_lanes_f length = near_dot(to, to);
-    return lanes & ~(kdr_lanes_less(length, apart * apart) & kdr_lanes_less(kdr_lanes_all(0x1p-110f), length));
+    kdr_lanes_f apart = kdr_lanes_max(kdr_lanes_max(low, -high), kdr_lanes_all(0)), length = near_dot(to, to);
+    kdr_lane_bits known = kdr_lanes_less(kdr_lanes_all(0x1p-110f), length);
+    return kdr_lanes_choose(known, apart * (apart * kdr_lanes_reciprocal(length)), kdr_lanes_all(0));
 }
 
-/* Lanes whose triangle may be near enough. */
-KDR_LANES_INLINE kdr_lane_bits near_lanes(kdr_block block, size_t first, const kdr_box *cell, const float query[3],
-                                          const near_limit *limit) {
-    kdr_lane_bits left = near_boxes(block, first, cell, query, limit);
-    bool several = (left & (left - 1)) != 0;
-    return several && limit->has_plane ? near_planes(block, first, query, limit, left) : left;
+/* Lanes of some squares that are not beyond the limit. */
+KDR_LANES_INLINE kdr_lane_bits near_within(kdr_lanes_f squares, const near_limit *limit) {
+    return ~kdr_lanes_less(kdr_lanes_all(limit->plane), squares);
 }
 
 #endif

@@ -14,23 +14,42 @@
 #include "trace/near_lanes.h"
 #include "tree/wide.h"
 
-/* Makes *nearest the closest of itself and the block's primitives. */
+/* Makes *nearest the closest of itself and triangle i of a block. */
+static __attribute__((noinline)) void take(kdr_block block, size_t i, const float query[3], kdr_nearest *nearest,
+                                           near_limit *limit) {
+    uint32_t primitive = kdr_block_primitive(block, i);
+    if (primitive == UINT32_MAX || primitive == nearest->primitive)
+        return;
+    float corner[3][3];
+    kdr_block_triangle(block, i, corner);
+    kdr_surface_point point = kdr_triangle_point(query, (const float(*)[3])corner);
+    if (point.square < nearest->point.square ||
+        (point.square == nearest->point.square && primitive < nearest->primitive)) {
+        *nearest = (kdr_nearest){point, primitive};
+        near_limit_set(limit, point.square);
+    }
+}
+
+/* The same for all of a block: one that is left alone, or those of several that planes leave, the nearest first. */
 KDR_LANES_INLINE void block_closest(kdr_block block, const float query[3], kdr_nearest *nearest, near_limit *limit) {
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
-        kdr_lane_bits left = near_lanes(block, first, NULL, query, limit);
-        for (; left; left &= left - 1) {
-            size_t i = first + (uint32_t)__builtin_ctz(left);
-            uint32_t primitive = kdr_block_primitive(block, i);
-            if (primitive == UINT32_MAX || primitive == nearest->primitive)
-                continue;
-            float corner[3][3];
-            kdr_block_triangle(block, i, corner);
-            kdr_surface_point point = kdr_triangle_point(query, (const float(*)[3])corner);
-            if (point.square < nearest->point.square ||
-                (point.square == nearest->point.square && primitive < nearest->primitive)) {
-                *nearest = (kdr_nearest){point, primitive};
-                near_limit_set(limit, point.square);
+        kdr_lane_bits left = near_boxes(block, first, NULL, query, limit);
+        if (!limit->has_plane || (left & (left - 1)) == 0) {
+            for (; left; left &= left - 1)
+                take(block, first + (uint32_t)__builtin_ctz(left), query, nearest, limit);
+            continue;
+        }
+        kdr_lanes_f squares = near_planes(block, first, query);
+        float square[KDR_LANES];
+        kdr_lanes_store(square, squares);
+        while (left &= near_within(squares, limit)) {
+            uint32_t lane = (uint32_t)__builtin_ctz(left);
+            for (kdr_lane_bits others = left & (left - 1); others; others &= others - 1) {
+                uint32_t other = (uint32_t)__builtin_ctz(others);
+                lane = square[other] < square[lane] ? other : lane;
             }
+            left ^= 1u << lane;
+            take(block, first + lane, query, nearest, limit);
         }
     }
 }
@@ -144,7 +163,9 @@ typedef struct waiting_box {
 static bool block_within(kdr_block block, const kdr_box *cell, const float query[3], double square,
                          const near_limit *limit, kdr_near_fn *visit, void *context) {
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
-        kdr_lane_bits left = near_lanes(block, first, cell, query, limit);
+        kdr_lane_bits left = near_boxes(block, first, cell, query, limit);
+        if (limit->has_plane && (left & (left - 1)) != 0)
+            left &= near_within(near_planes(block, first, query), limit);
         for (; left; left &= left - 1) {
             size_t i = first + (uint32_t)__builtin_ctz(left);
             kdr_nearest found = {.primitive = kdr_block_primitive(block, i)};
