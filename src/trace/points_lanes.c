@@ -158,6 +158,7 @@ static inline bool owns(const kdr_box *cell, const float corner[3][3], const dou
 typedef struct waiting_box {
     uint32_t node;
     kdr_box cell;
+    double square[3];
 } waiting_box;
 
 static bool block_within(kdr_block block, const kdr_box *cell, const float query[3], double square,
@@ -185,28 +186,37 @@ static bool block_within(kdr_block block, const kdr_box *cell, const float query
 }
 
 static bool within(const kdr_tree *tree, const float query[3], double square, kdr_near_fn *visit, void *context) {
-    waiting_box stack[KDR_MAX_DEPTH + 1];
+    waiting_box stack[KDR_MAX_DEPTH + 1], at = {0, tree->bounds, {0}};
     uint32_t top = 0;
+    if (kdr_box_is_empty(&tree->bounds) || kdr_box_square(query, tree->bounds.lo, tree->bounds.hi) > square)
+        return true;
     near_limit limit;
     near_limit_begin(&limit, tree, query, square);
-    if (!kdr_box_is_empty(&tree->bounds))
-        stack[top++] = (waiting_box){0, tree->bounds};
-    while (top > 0) {
-        waiting_box at = stack[--top];
-        if (kdr_box_square(query, at.cell.lo, at.cell.hi) > square)
-            continue;
+    for (int k = 0; k < 3; k++)
+        at.square[k] = kdr_interval_square(query[k], tree->bounds.lo[k], tree->bounds.hi[k]);
+    for (;;) {
+        /* Go down to a leaf; cells beyond a plane wait if they are near enough. */
         kdr_node node = tree->nodes[at.node];
-        if (kdr_node_is_leaf(node)) {
-            if (!block_within(kdr_block_of(tree->blocks, node), &at.cell, query, square, &limit, visit, context))
-                return false;
-            continue;
+        while (!kdr_node_is_leaf(node)) {
+            uint32_t axis = kdr_node_axis(node);
+            float plane = kdr_node_plane(node);
+            double beyond = (double)query[axis] - plane, there = beyond * beyond;
+            waiting_box *other = &stack[top];
+            *other = at;
+            other->square[axis] = there;
+            bool right = beyond >= 0;
+            at.node = kdr_node_child(node) + right;
+            other->node = at.node ^ 1;
+            *(right ? &at.cell.lo[axis] : &at.cell.hi[axis]) = plane;
+            *(right ? &other->cell.hi[axis] : &other->cell.lo[axis]) = plane;
+            top += (other->square[0] + other->square[1]) + other->square[2] <= square;
+            node = tree->nodes[at.node];
         }
-        uint32_t axis = kdr_node_axis(node);
-        at.node = kdr_node_child(node);
-        waiting_box right = {at.node + 1, at.cell};
-        at.cell.hi[axis] = right.cell.lo[axis] = kdr_node_plane(node);
-        stack[top++] = right;
-        stack[top++] = at;
+        if (!block_within(kdr_block_of(tree->blocks, node), &at.cell, query, square, &limit, visit, context))
+            return false;
+        if (top == 0)
+            break;
+        at = stack[--top];
     }
     kdr_lanes_leave();
     return true;
