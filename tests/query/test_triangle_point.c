@@ -1,5 +1,6 @@
 /* The closest point of a triangle, against exact distances in numbers of 113 bits. */
 #include "geometry/triangle_point.h"
+#include "support/exact_point.h"
 #include "support/soup.h"
 #include "support/test_size.h"
 
@@ -12,48 +13,6 @@
 #include <cmocka.h>
 
 #define POINTS TEST_SIZE(100)
-
-typedef __float128 quadruple;
-
-static quadruple dot(const quadruple p[3], const quadruple q[3]) { return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]; }
-
-static void cross(const quadruple p[3], const quadruple q[3], quadruple product[3]) {
-    for (int k = 0; k < 3; k++)
-        product[k] = p[(k + 1) % 3] * q[(k + 2) % 3] - p[(k + 2) % 3] * q[(k + 1) % 3];
-}
-
-static quadruple root(quadruple x) {
-    quadruple guess = sqrt((double)x);
-    for (int i = 0; i < 2 && guess > 0; i++)
-        guess = (guess + x / guess) / 2;
-    return guess;
-}
-
-/* The least of the distances to the corners, to the lines of edges beside which the point lies, and to the plane if it
- * lies above the triangle. */
-static quadruple exact_distance(const float query[3], const float (*corner)[3]) {
-    quadruple seen[3][3], edge[3][3], normal[3], product[3], least = INFINITY;
-    for (int i = 0; i < 3; i++) {
-        for (int k = 0; k < 3; k++) {
-            seen[i][k] = (quadruple)query[k] - corner[i][k];
-            edge[i][k] = (quadruple)corner[(i + 1) % 3][k] - corner[i][k];
-        }
-    }
-    cross(edge[0], edge[1], normal);
-    bool above = true;
-    for (int i = 0; i < 3; i++) {
-        quadruple square = dot(seen[i], seen[i]), along = dot(seen[i], edge[i]), length = dot(edge[i], edge[i]);
-        least = square < least ? square : least;
-        cross(edge[i], seen[i], product);
-        above = above && dot(product, normal) >= 0;
-        square = length > 0 ? dot(product, product) / length : square;
-        least = along > 0 && along < length && square < least ? square : least;
-    }
-    quadruple height = dot(seen[0], normal), area = dot(normal, normal);
-    if (above && area > 0 && height * height / area < least)
-        least = height * height / area;
-    return root(least);
-}
 
 /* On the triangle, beside it, near it, or anywhere. */
 static void draw_query(test_random *random, const float (*corner)[3], float query[3]) {
@@ -80,7 +39,6 @@ static double largest_size(const float *numbers, int count) {
 
 static void hold(const float query[3], const float (*corner)[3], const char *label) {
     kdr_surface_point p = kdr_triangle_point(query, corner);
-    quadruple exact = exact_distance(query, corner);
     double size = 0, reach = fmax(largest_size(query, 3), largest_size(corner[0], 9));
     for (int k = 0; k < 3; k++) {
         double lo = fmin(corner[0][k], fmin(corner[1][k], corner[2][k]));
@@ -92,7 +50,7 @@ static void hold(const float query[3], const float (*corner)[3], const char *lab
     }
     assert_true(p.u >= 0 && p.v >= 0 && p.u + p.v <= 1 + 0x1p-50);
     assert_true(p.square == kdr_point_square(query, p.at));
-    double error = (double)(root(p.square) - exact);
+    double error = exact_point_error(query, corner, p.square);
     if (error < -0x1p-50 * reach || error > 0x1p-50 * reach + 0x1p-20 * size) {
         for (int i = 0; i < 3; i++)
             printf("%a %a %a\n", corner[i][0], corner[i][1], corner[i][2]);
