@@ -492,6 +492,43 @@ KDR_API void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, k
 KDR_API void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, uint8_t *occluded,
                             size_t count);
 
+/* A point to search about. Field order is that of Embree's RTCPointQuery. */
+typedef struct kdr_point_query {
+    float x, y, z; /* finite, else nothing is found */
+    float time;    /* not read */
+    float radius;  /* largest distance, inclusive; infinity is allowed; below 0 or NaN nothing is found */
+} kdr_point_query;
+
+/* The closest point of a primitive. */
+typedef struct kdr_point_hit {
+    float x, y, z;
+    float distance;     /* from the query's point */
+    float u, v;         /* the point = (1 - u - v) a + u b + v c of triangle a, b, c */
+    uint32_t primitive; /* number of the triangle within its geometry */
+    uint32_t geometry;
+    uint32_t instance; /* KDR_INVALID_ID */
+} kdr_point_hit;
+
+/* Finds the point of the committed triangles that is closest to the query's, no farther than its radius. False, and
+ * *hit left alone, if there is none.
+ *
+ * Distances are compared in double, each from the query's point to the closest point of a triangle as it is computed
+ * there: see docs/geometry.md for how close that is. Of equal distances the lowest geometry wins, then the lowest
+ * primitive. So the answer is that of asking all triangles, whatever the tree and the instruction set. Triangles that
+ * the commit leaves out, those without area among them, are not found.
+ *
+ * scene, query and hit must not be NULL. Never allocates, locks or fails. Thread safe. */
+KDR_API bool kdr_closest_point(const kdr_scene *scene, const kdr_point_query *query, kdr_point_hit *hit);
+
+/* Told of one primitive. False ends the search. It may ask the scene itself. */
+typedef bool kdr_point_fn(const kdr_point_hit *hit, void *user);
+
+/* Calls visit(hit, user) exactly once for every triangle whose closest point, by the same distances, is no farther than
+ * the query's radius; in no particular order, on the calling thread. Returns the number of calls made. None may be NULL
+ * but user. Never allocates, locks or fails. Thread safe. */
+KDR_API size_t kdr_primitives_within(const kdr_scene *scene, const kdr_point_query *query, kdr_point_fn *visit,
+                                     void *user);
+
 #ifdef __cplusplus
 }
 #endif

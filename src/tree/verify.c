@@ -46,8 +46,8 @@ static bool surely_meets(const wanted *w, const kdr_box *cell) {
     for (int k = 0; k < 3; k++) {
         float largest =
             fmaxf(fmaxf(fabsf(cell->lo[k]), fabsf(cell->hi[k])), fmaxf(fabsf(w->box.lo[k]), fabsf(w->box.hi[k])));
-        inner.lo[k] = nextafterf(cell->lo[k] + largest * 0x1p-20f, INFINITY);
-        inner.hi[k] = nextafterf(cell->hi[k] - largest * 0x1p-20f, -INFINITY);
+        inner.lo[k] = nextafterf(cell->lo[k] + largest * 0x1p-14f, INFINITY);
+        inner.hi[k] = nextafterf(cell->hi[k] - largest * 0x1p-14f, -INFINITY);
     }
     return !kdr_box_is_empty(&inner) && kdr_triangle_clip((const float(*)[3])w->corners, &inner, &part);
 }
