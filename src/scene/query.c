@@ -44,6 +44,46 @@ static bool go_together(const kdr_scene *scene, const kdr_trace_def *def, const 
     return coherence == KDR_COHERENCE_COHERENT || alike >= 6;
 }
 
+/* Up to KDR_PACKET_RAYS rays as a packet. */
+static void gather(kdr_packet_rays *rays, const kdr_ray *from, size_t stride, uint32_t count) {
+    rays->count = count;
+    rays->valid = UINT64_MAX >> (KDR_PACKET_RAYS - count);
+    for (uint32_t i = 0; i < count || i % 16 != 0; i++) {
+        const kdr_ray *ray = (const kdr_ray *)((const char *)from + (i < count ? i : 0) * stride);
+        rays->origin[0][i] = ray->origin_x;
+        rays->origin[1][i] = ray->origin_y;
+        rays->origin[2][i] = ray->origin_z;
+        rays->direction[0][i] = ray->direction_x;
+        rays->direction[1][i] = ray->direction_y;
+        rays->direction[2][i] = ray->direction_z;
+        rays->tmin[i] = ray->tmin;
+        rays->tmax[i] = ray->tmax;
+    }
+}
+
+static void intersect_packet(const kdr_scene *scene, kdr_ray_hit *ray_hits, uint32_t count) {
+    kdr_packet_rays rays;
+    kdr_packet_found found;
+    gather(&rays, &ray_hits->ray, sizeof *ray_hits, count);
+    scene->device->traversals->packet_closest(&scene->tree, &rays, &found);
+    for (uint32_t i = 0; i < count; i++) {
+        kdr_found one = {.t = found.t[i],
+                         .u = found.u[i],
+                         .v = found.v[i],
+                         .normal = {found.normal[0][i], found.normal[1][i], found.normal[2][i]},
+                         .primitive = found.primitive[i]};
+        answer(scene, one.primitive != UINT32_MAX, &one, &ray_hits[i]);
+    }
+}
+
+static void occluded_packet(const kdr_scene *scene, const kdr_ray *from, uint32_t count, uint8_t *occluded) {
+    kdr_packet_rays rays;
+    gather(&rays, from, sizeof *from, count);
+    uint64_t found = scene->device->traversals->packet_any(&scene->tree, &rays);
+    for (uint32_t i = 0; i < count; i++)
+        occluded[i] = found >> i & 1;
+}
+
 void kdr_intersect1(const kdr_scene *scene, kdr_ray_hit *ray_hit) {
     intersect(scene, scene->device->traversals, ray_hit);
 }
@@ -62,10 +102,8 @@ void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_h
                 intersect(scene, traversals, &part[i]);
             continue;
         }
-        kdr_found found[KDR_STREAM_RAYS];
-        traversals->stream_closest(&scene->tree, &part->ray, sizeof *part, rays, found);
-        for (uint32_t i = 0; i < rays; i++)
-            answer(scene, found[i].primitive != UINT32_MAX, &found[i], &part[i]);
+        for (uint32_t i = 0; i < rays; i += KDR_PACKET_RAYS)
+            intersect_packet(scene, part + i, rays - i < KDR_PACKET_RAYS ? rays - i : KDR_PACKET_RAYS);
     }
 }
 
@@ -76,7 +114,9 @@ void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_
         const kdr_ray *part = rays + begin;
         uint32_t together = count - begin < KDR_STREAM_RAYS ? (uint32_t)(count - begin) : KDR_STREAM_RAYS;
         if (go_together(scene, def, part, sizeof *part, together)) {
-            traversals->stream_any(&scene->tree, part, sizeof *part, together, occluded + begin);
+            for (uint32_t i = 0; i < together; i += KDR_PACKET_RAYS)
+                occluded_packet(scene, part + i, together - i < KDR_PACKET_RAYS ? together - i : KDR_PACKET_RAYS,
+                                occluded + begin + i);
             continue;
         }
         for (uint32_t i = 0; i < together; i++)

@@ -29,6 +29,7 @@
 #undef LARGEST
 #undef STEP
 
+#include "trace/packet_lanes.h"
 #include "trace/stream_lanes.h"
 #include "trace/wide_lanes.h"
 
@@ -146,6 +147,48 @@ static void stream_any(const kdr_tree *tree, const kdr_ray *rays, size_t stride,
     kdr_lanes_leave();
 }
 
+static void packet_closest(const kdr_tree *tree, const kdr_packet_rays *rays, kdr_packet_found *found) {
+    packet p;
+    packet_bits alone = rays->valid;
+    if (KDR_LANES > 1 && tree->wide) {
+        packet_bits fit = packet_begin(&p, tree, rays, false);
+        alone = (alone & ~fit) | packet_run(&p, fit, false);
+        packet_report(&p, fit & ~alone, found);
+    }
+    for (; alone; alone &= alone - 1) {
+        uint32_t i = (uint32_t)__builtin_ctzll(alone);
+        kdr_ray ray = kdr_packet_ray(rays, i);
+        kdr_found one = {.primitive = UINT32_MAX};
+        single_closest(tree, &ray, &one);
+        found->t[i] = one.t;
+        found->u[i] = one.u;
+        found->v[i] = one.v;
+        for (int k = 0; k < 3; k++)
+            found->normal[k][i] = one.normal[k];
+        found->primitive[i] = one.primitive;
+    }
+    kdr_lanes_leave();
+}
+
+static uint64_t packet_any(const kdr_tree *tree, const kdr_packet_rays *rays) {
+    packet p;
+    packet_bits alone = rays->valid, found = 0;
+    if (KDR_LANES > 1 && tree->wide) {
+        packet_bits fit = packet_begin(&p, tree, rays, true);
+        alone = (alone & ~fit) | packet_run(&p, fit, true);
+        for (uint32_t v = 0; v < p.vectors; v++)
+            found |= packet_bits_of(kdr_lanes_less(p.t.lanes[v], p.tmin.lanes[v]), v);
+        found &= fit & ~alone;
+    }
+    for (; alone; alone &= alone - 1) {
+        uint32_t i = (uint32_t)__builtin_ctzll(alone);
+        kdr_ray ray = kdr_packet_ray(rays, i);
+        found |= (packet_bits)single_any(tree, &ray) << i;
+    }
+    kdr_lanes_leave();
+    return found;
+}
+
 extern const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals);
 const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals) = {.stack_closest = stack_closest,
                                                          .stack_any = stack_any,
@@ -153,4 +196,6 @@ const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals) = {.stack_closest = stack_
                                                          .single_closest = single_closest,
                                                          .single_any = single_any,
                                                          .stream_closest = stream_closest,
-                                                         .stream_any = stream_any};
+                                                         .stream_any = stream_any,
+                                                         .packet_closest = packet_closest,
+                                                         .packet_any = packet_any};

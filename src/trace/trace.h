@@ -3,6 +3,7 @@
 #define KDR_TRACE_TRACE_H
 
 #include "kdray/kdray.h"
+#include "trace/packet.h"
 #include "tree/tree.h"
 
 /* Where a traversal starts. The root's entry is {0, bounds}; a beam may find a deeper one. */
@@ -34,6 +35,10 @@ typedef struct kdr_traversals {
      * found[i].primitive is UINT32_MAX where there is no hit. */
     void (*stream_closest)(const kdr_tree *tree, const kdr_ray *rays, size_t stride, uint32_t count, kdr_found *found);
     void (*stream_any)(const kdr_tree *tree, const kdr_ray *rays, size_t stride, uint32_t count, uint8_t *occluded);
+
+    /* The same for a packet, on any tree. packet_any gives one bit a ray. */
+    void (*packet_closest)(const kdr_tree *tree, const kdr_packet_rays *rays, kdr_packet_found *found);
+    uint64_t (*packet_any)(const kdr_tree *tree, const kdr_packet_rays *rays);
 } kdr_traversals;
 
 /* The table for an instruction set that this machine has. */

@@ -52,6 +52,25 @@ KDR_LANES_INLINE kdr_block_rows kdr_block_rows_of(kdr_block block, const kdr_ray
                             .shown = block.shown};
 }
 
+/* Edge functions of sheared corners, and one bound for the three of a triangle: z is set before. */
+KDR_LANES_INLINE void kdr_block_edges_set(kdr_block_edges *e, const kdr_lanes_f x[3], const kdr_lanes_f y[3],
+                                          kdr_lanes_f doubt_least, kdr_lanes_f doubt) {
+    kdr_lanes_f size[3];
+    for (int i = 0; i < 3; i++) {
+        int p = (i + 1) % 3, q = (i + 2) % 3;
+        size[i] = kdr_lanes_larger(x[i], y[i]);
+        e->edge[i] = kdr_lanes_less_product(x[q] * y[p], y[q], x[p]);
+    }
+    e->bound = kdr_lanes_add_product(doubt_least, doubt, kdr_lanes_larger(kdr_lanes_larger(size[0], size[1]), size[2]));
+    e->least = kdr_lanes_min(kdr_lanes_min(e->edge[0], e->edge[1]), e->edge[2]);
+    e->most = kdr_lanes_max(kdr_lanes_max(e->edge[0], e->edge[1]), e->edge[2]);
+}
+
+/* Lanes that surely miss: one edge function is surely positive and another surely negative. */
+KDR_LANES_INLINE kdr_lane_bits kdr_block_outside(const kdr_block_edges *e) {
+    return kdr_lanes_less(e->least, -e->bound) & kdr_lanes_less(e->bound, e->most);
+}
+
 /* Lanes from `first` on whose triangle the ray's line is not proven to miss. */
 KDR_LANES_INLINE kdr_lane_bits kdr_block_meet(const kdr_block_rows *rows, const kdr_ray_frame *f, size_t first,
                                               kdr_block_edges *e) {
@@ -59,28 +78,15 @@ KDR_LANES_INLINE kdr_lane_bits kdr_block_meet(const kdr_block_rows *rows, const 
     kdr_lanes_f shear_x = kdr_lanes_all(f->shear_x), shear_y = kdr_lanes_all(f->shear_y);
     kdr_lanes_f origin_x = kdr_lanes_all(f->origin_along[0]), origin_y = kdr_lanes_all(f->origin_along[1]);
     kdr_lanes_f origin_z = kdr_lanes_all(f->origin_along[2]);
-    kdr_lanes_f x[3], y[3], size[3];
+    kdr_lanes_f x[3], y[3];
     for (size_t i = 0; i < 3; i++) {
         size_t at = first + i * rows->corner;
         e->z[i] = origin_z - kdr_lanes_load(rows->z + at);
         x[i] = kdr_lanes_less_product(origin_x - kdr_lanes_load(rows->x + at), shear_x, e->z[i]);
         y[i] = kdr_lanes_less_product(origin_y - kdr_lanes_load(rows->y + at), shear_y, e->z[i]);
-        size[i] = kdr_lanes_larger(x[i], y[i]);
     }
-
-    /* Edge functions, and one bound for the three of a triangle. */
-    for (int i = 0; i < 3; i++) {
-        int p = (i + 1) % 3, q = (i + 2) % 3;
-        e->edge[i] = kdr_lanes_less_product(x[q] * y[p], y[q], x[p]);
-    }
-    e->bound = kdr_lanes_add_product(kdr_lanes_all(f->doubt_least), kdr_lanes_all(f->doubt),
-                                     kdr_lanes_larger(kdr_lanes_larger(size[0], size[1]), size[2]));
-
-    /* A lane misses if one is surely positive and another surely negative. */
-    e->least = kdr_lanes_min(kdr_lanes_min(e->edge[0], e->edge[1]), e->edge[2]);
-    e->most = kdr_lanes_max(kdr_lanes_max(e->edge[0], e->edge[1]), e->edge[2]);
-    kdr_lane_bits missed = kdr_lanes_less(e->least, -e->bound) & kdr_lanes_less(e->bound, e->most);
-    return ~missed & kdr_lanes_first((uint32_t)(rows->shown - first));
+    kdr_block_edges_set(e, x, y, kdr_lanes_all(f->doubt_least), kdr_lanes_all(f->doubt));
+    return ~kdr_block_outside(e) & kdr_lanes_first((uint32_t)(rows->shown - first));
 }
 
 /* Lanes whose triangle it surely meets. */
@@ -100,11 +106,11 @@ typedef struct kdr_block_span {
  * of the e is at least 16 b, their sizes add up to at most 5/4 of it, so t is at most 5/4 of the extent away from each
  * z, and the bound below is more than the double of this and of what is lost below the smallest floats. It does not
  * wait for t. */
-KDR_LANES_INLINE kdr_block_span kdr_block_span_of(const kdr_block_edges *e, const kdr_ray_frame *f) {
+KDR_LANES_INLINE kdr_block_span kdr_block_span_of(const kdr_block_edges *e, kdr_lanes_f scale_z) {
     kdr_lanes_f den = (e->edge[0] + e->edge[1]) + e->edge[2], inverse = kdr_lanes_reciprocal(den);
     kdr_lanes_f z[3];
     for (int i = 0; i < 3; i++)
-        z[i] = e->z[i] * -f->scale_z;
+        z[i] = e->z[i] * -scale_z;
     kdr_lanes_f num = kdr_lanes_add_product(e->edge[0] * z[0] + e->edge[1] * z[1], e->edge[2], z[2]);
     kdr_lanes_f extent =
         kdr_lanes_max(kdr_lanes_max(z[0], z[1]), z[2]) - kdr_lanes_min(kdr_lanes_min(z[0], z[1]), z[2]);
@@ -184,7 +190,7 @@ KDR_LANES_INLINE void kdr_block_closest(kdr_block block, const kdr_ray_frame *f,
         kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e);
         if (__builtin_expect(left == 0, 1))
             continue;
-        kdr_block_span span = kdr_block_span_of(&e, f);
+        kdr_block_span span = kdr_block_span_of(&e, kdr_lanes_all(f->scale_z));
         kdr_lane_bits sure = kdr_block_inside(&e) & kdr_lanes_less(kdr_lanes_all(tmin), span.from);
         left &= ~kdr_lanes_less(span.to, kdr_lanes_all(tmin));
         while (left &= ~kdr_lanes_less(kdr_lanes_all(closest->t), span.from)) {
@@ -207,7 +213,7 @@ KDR_LANES_INLINE bool kdr_block_any(kdr_block block, const kdr_ray_frame *f, flo
         kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e);
         if (__builtin_expect(left == 0, 1))
             continue;
-        kdr_block_span span = kdr_block_span_of(&e, f);
+        kdr_block_span span = kdr_block_span_of(&e, kdr_lanes_all(f->scale_z));
         kdr_lanes_f begin = kdr_lanes_all(tmin), end = kdr_lanes_all(tmax);
         if (left & kdr_block_inside(&e) & kdr_lanes_less(begin, span.from) & kdr_lanes_less(span.to, end))
             return true;
