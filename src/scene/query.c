@@ -1,4 +1,5 @@
 /* Queries: what a caller asks, in terms of traversals. Nothing here allocates, locks or fails. */
+#include "geometry/quad.h"
 #include "scene/scene.h"
 
 kdr_trace_def kdr_default_trace_def(void) { return (kdr_trace_def){.size = sizeof(kdr_trace_def)}; }
@@ -33,6 +34,8 @@ static bool go_together(const kdr_scene *scene, const kdr_trace_def *def, const 
     kdr_coherence coherence = def ? def->coherence : KDR_COHERENCE_UNKNOWN;
     if (count < 16 || !scene->tree.wide || coherence == KDR_COHERENCE_INCOHERENT)
         return false;
+    if (coherence == KDR_COHERENCE_COHERENT)
+        return true;
     uint32_t alike = 0;
     const kdr_ray *middle = (const kdr_ray *)((const char *)rays + count / 2 * stride);
     for (size_t i = 0; i < 8; i++) {
@@ -41,23 +44,43 @@ static bool go_together(const kdr_scene *scene, const kdr_trace_def *def, const 
                  (ray->direction_y < 0) == (middle->direction_y < 0) &&
                  (ray->direction_z < 0) == (middle->direction_z < 0);
     }
-    return coherence == KDR_COHERENCE_COHERENT || alike >= 6;
+    return alike >= 6;
 }
 
-/* Up to KDR_PACKET_RAYS rays as a packet. */
+/* Four rows of four numbers become four columns. */
+static inline void turn(const kdr_quad from[4], kdr_quad to[4]) {
+    kdr_quad low01 = __builtin_shufflevector(from[0], from[1], 0, 4, 1, 5);
+    kdr_quad low23 = __builtin_shufflevector(from[2], from[3], 0, 4, 1, 5);
+    kdr_quad high01 = __builtin_shufflevector(from[0], from[1], 2, 6, 3, 7);
+    kdr_quad high23 = __builtin_shufflevector(from[2], from[3], 2, 6, 3, 7);
+    to[0] = __builtin_shufflevector(low01, low23, 0, 1, 4, 5);
+    to[1] = __builtin_shufflevector(low01, low23, 2, 3, 6, 7);
+    to[2] = __builtin_shufflevector(high01, high23, 0, 1, 4, 5);
+    to[3] = __builtin_shufflevector(high01, high23, 2, 3, 6, 7);
+}
+
+/* Up to KDR_PACKET_RAYS rays as a packet, four at a time; those beyond the last repeat it. */
 static void gather(kdr_packet_rays *rays, const kdr_ray *from, size_t stride, uint32_t count) {
     rays->count = count;
     rays->valid = UINT64_MAX >> (KDR_PACKET_RAYS - count);
-    for (uint32_t i = 0; i < count || i % 16 != 0; i++) {
-        const kdr_ray *ray = (const kdr_ray *)((const char *)from + (i < count ? i : 0) * stride);
-        rays->origin[0][i] = ray->origin_x;
-        rays->origin[1][i] = ray->origin_y;
-        rays->origin[2][i] = ray->origin_z;
-        rays->direction[0][i] = ray->direction_x;
-        rays->direction[1][i] = ray->direction_y;
-        rays->direction[2][i] = ray->direction_z;
-        rays->tmin[i] = ray->tmin;
-        rays->tmax[i] = ray->tmax;
+    for (size_t i = 0; i < KDR_PACKET_RAYS * stride; i += 64)
+        __builtin_prefetch((const char *)from + count * stride + i, 1);
+    for (uint32_t i = 0; i < count || i % 16 != 0; i += 4) {
+        kdr_quad at[4], to[4], columns[4];
+        for (uint32_t k = 0; k < 4; k++) {
+            uint32_t number = i + k < count ? i + k : count - 1;
+            const kdr_ray *ray = (const kdr_ray *)((const char *)from + number * stride);
+            at[k] = kdr_quad_load(&ray->origin_x);
+            to[k] = kdr_quad_load(&ray->direction_x);
+            rays->tmax[i + k] = ray->tmax;
+        }
+        turn(at, columns);
+        for (uint32_t k = 0; k < 3; k++)
+            kdr_quad_store(&rays->origin[k][i], columns[k]);
+        kdr_quad_store(&rays->tmin[i], columns[3]);
+        turn(to, columns);
+        for (uint32_t k = 0; k < 3; k++)
+            kdr_quad_store(&rays->direction[k][i], columns[k]);
     }
 }
 

@@ -129,6 +129,18 @@ KDR_LANES_INLINE packet_bits packet_ask(packet *p, const beam *b, kdr_block bloc
     return found;
 }
 
+/* Has a child on its way to the caches while others have their turn. */
+KDR_LANES_INLINE void packet_await(const kdr_tree *tree, uint32_t child) {
+    if (child & KDR_WIDE_LEAF) {
+        kdr_block block = kdr_wide_block(tree, child);
+        for (uint32_t row = 0; row < 9; row++)
+            __builtin_prefetch(block.rows + row * block.length);
+    } else {
+        for (uint32_t line = 0; line < 6; line++)
+            __builtin_prefetch(tree->wide[child].face[line]);
+    }
+}
+
 /* The children of a node that the beam meets go on the stack, the first on top. */
 KDR_LANES_INLINE void packet_open(const packet *p, const beam *b, uint32_t index, packet_bits rays, size_t order,
                                   const bool any, packet_stack *stack) {
@@ -138,6 +150,7 @@ KDR_LANES_INLINE void packet_open(const packet *p, const beam *b, uint32_t index
         while (met) {
             uint32_t place = 31 - (uint32_t)__builtin_clz(met);
             met ^= 1u << place;
+            packet_await(p->tree, node->child[place]);
             stack->jobs[stack->top++] = (packet_job){index, place, rays};
         }
         return;
@@ -149,7 +162,9 @@ KDR_LANES_INLINE void packet_open(const packet *p, const beam *b, uint32_t index
     while (in_order) {
         uint32_t i = 31 - (uint32_t)__builtin_clz(in_order);
         in_order ^= 1u << i;
-        stack->jobs[stack->top++] = (packet_job){index, word >> KDR_WIDE_ORDER_SHIFT(i) & 15, rays};
+        uint32_t place = word >> KDR_WIDE_ORDER_SHIFT(i) & 15;
+        packet_await(p->tree, node->child[place]);
+        stack->jobs[stack->top++] = (packet_job){index, place, rays};
     }
 #else
     for (uint32_t i = KDR_WIDE; i-- > 0;) {

@@ -175,22 +175,36 @@ KDR_LANES_INLINE void packet_eight_store(float *to, packet_eight q) {
     memcpy(to, &f, sizeof f);
 }
 
+/* One float a row of eight blocks. */
+KDR_LANES_INLINE packet_eight_f packet_eight_gather(const float *const at[8], const size_t length[8], size_t row) {
+#if defined(__AVX512F__)
+    __m512i step = _mm512_slli_epi64(_mm512_mullo_epi64(_mm512_set1_epi64((long long)row), _mm512_loadu_si512(length)), 2);
+    return _mm512_i64gather_ps(_mm512_add_epi64(_mm512_loadu_si512(at), step), NULL, 1);
+#else
+    packet_eight_f v;
+    for (int i = 0; i < 8; i++)
+        v[i] = at[i][row * length[i]];
+    return v;
+#endif
+}
+
 /* kdr_triangle_measure for eight rays from `first` on whose hits the filter was sure of: the same operations in the same
  * order on the same numbers, so the same bits. Lanes of other rays have no meaning. */
 KDR_LANES_INLINE void packet_measure(const packet *p, uint32_t first, uint32_t rays, kdr_packet_found *found) {
     packet_eight e[3], f[3], s[3], d[3], n[3], r[3];
+    const float *at[8];
+    size_t corner[8];
+    uint32_t any = first + (uint32_t)__builtin_ctz(rays);
+    for (uint32_t i = 0; i < 8; i++) {
+        uint32_t from = rays >> i & 1 ? first + i : any;
+        at[i] = p->corner[from];
+        corner[i] = p->length.of[from];
+    }
     for (uint32_t k = 0; k < 3; k++) {
-        float corner[3][8] = {{0}};
-        for (uint32_t left = rays; left; left &= left - 1) {
-            uint32_t i = (uint32_t)__builtin_ctz(left);
-            const float *at = p->corner[first + i] + k * p->length.of[first + i];
-            for (size_t c = 0; c < 3; c++)
-                corner[c][i] = at[c * 3 * p->length.of[first + i]];
-        }
         packet_eight_f a, b, c, o, direction;
-        memcpy(&a, corner[0], sizeof a);
-        memcpy(&b, corner[1], sizeof b);
-        memcpy(&c, corner[2], sizeof c);
+        a = packet_eight_gather(at, corner, k);
+        b = packet_eight_gather(at, corner, k + 3);
+        c = packet_eight_gather(at, corner, k + 6);
         memcpy(&o, &p->rays->origin[k][first], sizeof o);
         memcpy(&direction, &p->rays->direction[k][first], sizeof direction);
         packet_eight from = __builtin_convertvector(a, packet_eight);

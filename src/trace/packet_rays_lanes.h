@@ -114,9 +114,9 @@ KDR_LANES_INLINE packet_bits packet_begin(packet *p, const kdr_tree *tree, const
     return fits & rays->valid;
 }
 
-/* Makes rays ready for triangles, in a shear along one axis: p->axis[2]. The rays given have no shear above 2. Rays of
- * the longest axis have a shear of at most 1, and a sheared coordinate that is off by at most 2^-24 (2 + 5) m; here
- * this is 2^-24 (2 + 10) m, and with the doubled `doubt` all that kdr_ray_frame_set says holds. */
+/* Makes rays ready for triangles, in a shear along one axis: p->axis[2]. The rays given have no shear above 2. With a
+ * shear of s a sheared coordinate is off by at most e = 2^-24 (2 + 5 s) m; kdr_ray_frame_set has s = 1, which no ray along
+ * its longest axis exceeds, and `doubt` is in proportion to e. */
 KDR_LANES_INLINE void packet_frame(packet *p) {
     const uint32_t x = p->axis[0], y = p->axis[1], z = p->axis[2];
     const kdr_box *bounds = &p->tree->bounds;
@@ -130,7 +130,9 @@ KDR_LANES_INLINE void packet_frame(packet *p) {
         }
         kdr_lanes_f most = kdr_lanes_max(largest, largest * kdr_lanes_abs(scale));
         kdr_lane_bits beyond = kdr_lanes_less(kdr_lanes_all(KDR_RAY_FRAME_LARGEST), most);
-        kdr_lanes_f doubt = kdr_lanes_choose(beyond, kdr_lanes_all(INFINITY), 128 * 0x1p-24f * largest);
+        kdr_lanes_f shear = kdr_lanes_larger(p->shear_x.lanes[v], p->shear_y.lanes[v]);
+        kdr_lanes_f factor = kdr_lanes_add_product(kdr_lanes_all(19 * 0x1p-24f), kdr_lanes_all(46 * 0x1p-24f), shear);
+        kdr_lanes_f doubt = kdr_lanes_choose(beyond, kdr_lanes_all(INFINITY), factor * largest);
         p->doubt.lanes[v] = doubt;
         p->doubt_least.lanes[v] = 0x1p-4f * doubt * doubt + 0x1p-126f;
     }

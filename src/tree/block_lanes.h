@@ -103,9 +103,10 @@ typedef struct kdr_block_span {
  * floats e within b of E and z within four roundings of Z,
  *     computed t - t = (sum((e - E) (z - t)) + sum(E (z - Z)) + roundings) / sum(e),
  * so that what an edge function is off by counts only against the extent of the triangle along the ray. Where the sum
- * of the e is at least 16 b, their sizes add up to at most 5/4 of it, so t is at most 5/4 of the extent away from each
- * z, and the bound below is more than the double of this and of what is lost below the smallest floats. It does not
- * wait for t. */
+ * of the e is at least 16 b, their sizes add up to at most 5/4 of it; and of a triangle that is met, each z is at most
+ * the extent away from t. So the first sum adds at most 3 b times the extent, for which there is room more than twice,
+ * and all others 34 roundings of the largest z (16 of them for the reciprocal), for which there is room nearly twice.
+ * The bound does not wait for t. */
 KDR_LANES_INLINE kdr_block_span kdr_block_span_of(const kdr_block_edges *e, kdr_lanes_f scale_z) {
     kdr_lanes_f den = (e->edge[0] + e->edge[1]) + e->edge[2], inverse = kdr_lanes_reciprocal(den);
     kdr_lanes_f z[3];
@@ -115,7 +116,7 @@ KDR_LANES_INLINE kdr_block_span kdr_block_span_of(const kdr_block_edges *e, kdr_
     kdr_lanes_f extent =
         kdr_lanes_max(kdr_lanes_max(z[0], z[1]), z[2]) - kdr_lanes_min(kdr_lanes_min(z[0], z[1]), z[2]);
     kdr_lanes_f reach = kdr_lanes_larger(kdr_lanes_larger(z[0], z[1]), z[2]);
-    kdr_lanes_f doubt_num = 16 * e->bound * extent + 0x1p-126f, doubt_t = 0x1p-15f * reach + 0x1p-120f;
+    kdr_lanes_f doubt_num = 8 * e->bound * extent + 0x1p-126f, doubt_t = 0x1p-18f * reach + 0x1p-120f;
     kdr_lane_bits known = kdr_lanes_less(16 * e->bound, kdr_lanes_abs(den));
     kdr_lanes_f t = num * inverse, doubt = kdr_lanes_add_product(doubt_t, doubt_num, kdr_lanes_abs(inverse));
     return (kdr_block_span){kdr_lanes_choose(known, t - doubt, kdr_lanes_all(-INFINITY)),
