@@ -71,7 +71,8 @@ static __attribute__((noinline)) void packet_part(packet *p, uint32_t child, pac
             r.far[k] = p->far[k].of[i];
         }
         KDR_LANES_KEEP_IN_MEMORY(r);
-        bool framed = p->framed >> i & 1;
+        bool framed = true;
+        packet_ray_frame(p, i);
         if (any) {
             if (kdr_wide_walk(p->tree, child, &ray, &r, true, &framed, &p->frames[i], NULL))
                 p->t.of[i] = -INFINITY;
@@ -80,21 +81,20 @@ static __attribute__((noinline)) void packet_part(packet *p, uint32_t child, pac
             kdr_wide_walk(p->tree, child, &ray, &r, false, &framed, &p->frames[i], &closest);
             packet_closest_put(p, i, &closest);
         }
-        p->framed |= (packet_bits)framed << i;
     }
 }
 
 /* A ray asks some triangles of a leaf on its own. True if they end the search for any hit. */
 static __attribute__((noinline)) bool packet_ask_alone(packet *p, uint32_t i, kdr_block block, const bool any) {
-    kdr_ray ray = packet_ray(p, i);
-    const kdr_ray_frame *f = packet_ray_frame(p, &ray, i);
+    const float tmin = p->tmin.of[i];
+    const kdr_ray_frame *f = packet_ray_frame(p, i);
     if (any) {
-        bool hit = kdr_block_any(block, f, ray.tmin, ray.tmax);
+        bool hit = kdr_block_any(block, f, tmin, p->t.of[i]);
         p->t.of[i] = hit ? -INFINITY : p->t.of[i];
         return hit;
     }
     kdr_closest closest = packet_closest_get(p, i);
-    kdr_block_closest(block, f, ray.tmin, &closest);
+    kdr_block_closest(block, f, tmin, &closest);
     packet_closest_put(p, i, &closest);
     return false;
 }

@@ -25,7 +25,8 @@ KDR_LANES_INLINE packet_line packet_line_of(const packet *p, uint32_t i) {
 static __attribute__((noinline, unused)) void packet_settle_one(packet *p, uint32_t i) {
     packet_line ray = packet_line_of(p, i);
     kdr_triangle_hit *hit = &p->hit[i];
-    kdr_triangle_measure(ray.origin, ray.direction, (kdr_corners){p->corner[i], p->length.of[i]}, hit);
+    kdr_corners corners = {p->tree->blocks + p->corner.of[i], p->length.of[i]};
+    kdr_triangle_measure(ray.origin, ray.direction, corners, hit);
     p->sure &= ~((packet_bits)1 << i);
     p->least.of[i] = p->t.of[i] = hit->t;
 }
@@ -86,23 +87,17 @@ KDR_LANES_INLINE kdr_lane_bits packet_meet_triangle(const packet *p, uint32_t v,
     return ~kdr_block_outside(e);
 }
 
-/* The chosen lanes take a triangle for their closest hit. */
-KDR_LANES_INLINE void packet_take(packet *p, uint32_t v, kdr_lane_bits lanes, const kdr_block_span *span,
-                                  kdr_block block, size_t place, uint32_t primitive) {
-    p->least.lanes[v] = kdr_lanes_choose(lanes, span->from, p->least.lanes[v]);
-    p->t.lanes[v] = kdr_lanes_choose(lanes, span->to, p->t.lanes[v]);
-    p->primitive.lanes[v] = (kdr_lanes_u)kdr_lanes_choose(lanes, (kdr_lanes_f)(primitive - (kdr_lanes_u){0}),
-                                                          (kdr_lanes_f)p->primitive.lanes[v]);
-    p->length.lanes[v] = (kdr_lanes_u)kdr_lanes_choose(
-        lanes, (kdr_lanes_f)((uint32_t)block.length - (kdr_lanes_u){0}), (kdr_lanes_f)p->length.lanes[v]);
-    p->sure |= packet_bits_of(lanes, v);
-    for (; lanes; lanes &= lanes - 1)
-        p->corner[v * KDR_LANES + (uint32_t)__builtin_ctz(lanes)] = block.rows + place;
+/* x in the chosen lanes. */
+KDR_LANES_INLINE void packet_put(packet_row_u *row, uint32_t v, kdr_lane_bits lanes, uint32_t x) {
+    kdr_lanes_u all = x - (kdr_lanes_u){0};
+    row->lanes[v] = (kdr_lanes_u)kdr_lanes_choose(lanes, (kdr_lanes_f)all, (kdr_lanes_f)row->lanes[v]);
 }
 
-/* One triangle against the rays given: each keeps the closest of it and what it has. */
+/* One triangle against the rays given: each keeps the closest of it and what it has. No branch depends on which of a
+ * vector's rays it hits. */
 KDR_LANES_INLINE void packet_triangle_closest(packet *p, packet_bits rays, kdr_block block, size_t place) {
     const uint32_t primitive = kdr_block_primitive(block, place);
+    const uint32_t corner = (uint32_t)(block.rows + place - p->tree->blocks);
     if (primitive == UINT32_MAX)
         return;
     const packet_corners corners = packet_corners_of(p, block, place);
@@ -112,15 +107,18 @@ KDR_LANES_INLINE void packet_triangle_closest(packet *p, packet_bits rays, kdr_b
             continue;
         kdr_block_edges e;
         left &= packet_meet_triangle(p, v, &corners, &e);
-        if (left == 0)
-            continue;
         kdr_block_span span = kdr_block_span_of(&e, p->reciprocal[p->axis[2]].lanes[v]);
-        left &= ~(kdr_lanes_less(span.to, p->tmin.lanes[v]) | kdr_lanes_less(p->t.lanes[v], span.from));
-        kdr_lane_bits sure = left & kdr_block_inside(&e) & kdr_lanes_less(p->tmin.lanes[v], span.from);
-        kdr_lane_bits taken = sure & kdr_lanes_less(span.to, p->least.lanes[v]);
-        if (taken)
-            packet_take(p, v, taken, &span, block, place, primitive);
-        for (left &= ~taken; left; left &= left - 1) {
+        kdr_lanes_f least = p->least.lanes[v], t = p->t.lanes[v], tmin = p->tmin.lanes[v];
+        left &= ~(kdr_lanes_less(span.to, tmin) | kdr_lanes_less(t, span.from));
+        kdr_lane_bits taken =
+            left & kdr_block_inside(&e) & kdr_lanes_less(tmin, span.from) & kdr_lanes_less(span.to, least);
+        p->least.lanes[v] = kdr_lanes_choose(taken, span.from, least);
+        p->t.lanes[v] = kdr_lanes_choose(taken, span.to, t);
+        packet_put(&p->primitive, v, taken, primitive);
+        packet_put(&p->corner, v, taken, corner);
+        packet_put(&p->length, v, taken, (uint32_t)block.length);
+        p->sure |= packet_bits_of(taken, v);
+        for (left &= ~taken; __builtin_expect(left != 0, 0); left &= left - 1) {
             uint32_t i = v * KDR_LANES + (uint32_t)__builtin_ctz(left);
             if (p->primitive.of[i] != primitive)
                 packet_decide(p, i, block, place, primitive);
@@ -147,7 +145,7 @@ KDR_LANES_INLINE packet_bits packet_triangle_any(packet *p, packet_bits rays, kd
         kdr_lane_bits hit =
             left & kdr_block_inside(&e) & kdr_lanes_less(tmin, span.from) & kdr_lanes_less(span.to, tmax);
         left &= ~(hit | kdr_lanes_less(span.to, tmin) | kdr_lanes_less(tmax, span.from));
-        for (; left; left &= left - 1) {
+        for (; __builtin_expect(left != 0, 0); left &= left - 1) {
             uint32_t lane = (uint32_t)__builtin_ctz(left);
             hit |= (kdr_lane_bits)packet_decide_any(p, v * KDR_LANES + lane, block, place) << lane;
         }
@@ -175,15 +173,16 @@ KDR_LANES_INLINE void packet_eight_store(float *to, packet_eight q) {
     memcpy(to, &f, sizeof f);
 }
 
-/* One float a row of eight blocks. */
-KDR_LANES_INLINE packet_eight_f packet_eight_gather(const float *const at[8], const size_t length[8], size_t row) {
+/* Number `row` of eight blocks, of the triangles that begin at `at`. */
+KDR_LANES_INLINE packet_eight_f packet_eight_gather(const float *blocks, const size_t at[8], const size_t length[8],
+                                                    size_t row) {
 #if defined(__AVX512F__)
-    __m512i step = _mm512_slli_epi64(_mm512_mullo_epi64(_mm512_set1_epi64((long long)row), _mm512_loadu_si512(length)), 2);
-    return _mm512_i64gather_ps(_mm512_add_epi64(_mm512_loadu_si512(at), step), NULL, 1);
+    __m512i step = _mm512_mullo_epi64(_mm512_set1_epi64((long long)row), _mm512_loadu_si512(length));
+    return _mm512_i64gather_ps(_mm512_add_epi64(_mm512_loadu_si512(at), step), blocks, sizeof(float));
 #else
     packet_eight_f v;
     for (int i = 0; i < 8; i++)
-        v[i] = at[i][row * length[i]];
+        v[i] = blocks[at[i] + row * length[i]];
     return v;
 #endif
 }
@@ -192,19 +191,16 @@ KDR_LANES_INLINE packet_eight_f packet_eight_gather(const float *const at[8], co
  * order on the same numbers, so the same bits. Lanes of other rays have no meaning. */
 KDR_LANES_INLINE void packet_measure(const packet *p, uint32_t first, uint32_t rays, kdr_packet_found *found) {
     packet_eight e[3], f[3], s[3], d[3], n[3], r[3];
-    const float *at[8];
-    size_t corner[8];
-    uint32_t any = first + (uint32_t)__builtin_ctz(rays);
+    size_t at[8], length[8];
     for (uint32_t i = 0; i < 8; i++) {
-        uint32_t from = rays >> i & 1 ? first + i : any;
-        at[i] = p->corner[from];
-        corner[i] = p->length.of[from];
+        at[i] = p->corner.of[first + i];
+        length[i] = p->length.of[first + i];
     }
     for (uint32_t k = 0; k < 3; k++) {
         packet_eight_f a, b, c, o, direction;
-        a = packet_eight_gather(at, corner, k);
-        b = packet_eight_gather(at, corner, k + 3);
-        c = packet_eight_gather(at, corner, k + 6);
+        a = packet_eight_gather(p->tree->blocks, at, length, k);
+        b = packet_eight_gather(p->tree->blocks, at, length, k + 3);
+        c = packet_eight_gather(p->tree->blocks, at, length, k + 6);
         memcpy(&o, &p->rays->origin[k][first], sizeof o);
         memcpy(&direction, &p->rays->direction[k][first], sizeof direction);
         packet_eight from = __builtin_convertvector(a, packet_eight);
@@ -245,7 +241,7 @@ KDR_LANES_INLINE void packet_measure(const packet *p, uint32_t first, uint32_t r
         if (__builtin_expect(good[i] != 0, 1))
             continue;
         packet_line ray = packet_line_of(p, first + i);
-        kdr_corners corners = {p->corner[first + i], p->length.of[first + i]};
+        kdr_corners corners = {p->tree->blocks + p->corner.of[first + i], p->length.of[first + i]};
         found->t[first + i] = kdr_corners_distance(ray.origin, ray.direction, corners, num[i], den[i], size_n[i],
                                                    size_s[i], size_d[i]);
     }

@@ -38,14 +38,13 @@ typedef struct packet {
     /* As in kdr_ray_frame, of the group that is on its way: axis[2] is that of the shear. */
     uint32_t axis[3];
     packet_row shear_x, shear_y, doubt, doubt_least;
-    packet_bits framed; /* those whose own frame is set, for leaves that they ask alone */
+    packet_bits framed; /* those whose frame is set, for leaves that they ask alone */
     kdr_ray_frame frames[KDR_PACKET_RAYS];
 
     /* As in kdr_closest. */
     packet_bits sure;
     packet_row least;
-    packet_row_u primitive, length;
-    const float *corner[KDR_PACKET_RAYS];
+    packet_row_u primitive, corner, length; /* corner: where it lies, in floats behind the tree's blocks */
     kdr_triangle_hit hit[KDR_PACKET_RAYS];
 } packet;
 
@@ -64,7 +63,7 @@ KDR_LANES_INLINE packet_bits packet_begin(packet *p, const kdr_tree *tree, const
     p->tree = tree;
     p->rays = rays;
     p->vectors = (rays->count + KDR_LANES - 1) / KDR_LANES;
-    p->framed = p->sure = 0;
+    p->sure = 0;
     packet_bits fits = 0;
     for (uint32_t v = 0; v < p->vectors; v++) {
         kdr_lanes_f size[3], direction[3], reach[3];
@@ -106,6 +105,7 @@ KDR_LANES_INLINE packet_bits packet_begin(packet *p, const kdr_tree *tree, const
         if (!any) {
             p->least.lanes[v] = tmax;
             p->primitive.lanes[v] = ~(kdr_lanes_u){0};
+            p->corner.lanes[v] = p->length.lanes[v] = (kdr_lanes_u){0};
         }
         /* A tmin that is NaN is not less than tmax. */
         usual &= enough & kdr_lanes_less(tmin, tmax) & ~kdr_lanes_less(tmin, (kdr_lanes_f){0});
@@ -120,6 +120,7 @@ KDR_LANES_INLINE packet_bits packet_begin(packet *p, const kdr_tree *tree, const
 KDR_LANES_INLINE void packet_frame(packet *p) {
     const uint32_t x = p->axis[0], y = p->axis[1], z = p->axis[2];
     const kdr_box *bounds = &p->tree->bounds;
+    p->framed = 0;
     for (uint32_t v = 0; v < p->vectors; v++) {
         kdr_lanes_f scale = p->reciprocal[z].lanes[v], largest = {0};
         p->shear_x.lanes[v] = p->direction[x].lanes[v] * scale;
@@ -140,14 +141,26 @@ KDR_LANES_INLINE void packet_frame(packet *p) {
 
 KDR_LANES_INLINE kdr_ray packet_ray(const packet *p, uint32_t i) { return kdr_packet_ray(p->rays, i); }
 
-/* Its frame of its own. */
-KDR_LANES_INLINE const kdr_ray_frame *packet_ray_frame(packet *p, const kdr_ray *ray, uint32_t i) {
-    if (!(p->framed >> i & 1)) {
-        const float reciprocal[3] = {p->reciprocal[0].of[i], p->reciprocal[1].of[i], p->reciprocal[2].of[i]};
-        kdr_ray_frame_set(&p->frames[i], ray, reciprocal, &p->tree->bounds);
-        p->framed |= (packet_bits)1 << i;
+/* Its frame, along the axis of the group. */
+KDR_LANES_INLINE const kdr_ray_frame *packet_ray_frame(packet *p, uint32_t i) {
+    kdr_ray_frame *f = &p->frames[i];
+    if (p->framed >> i & 1)
+        return f;
+    p->framed |= (packet_bits)1 << i;
+    for (int k = 0; k < 3; k++) {
+        f->origin[k] = p->origin[k].of[i];
+        f->direction[k] = p->direction[k].of[i];
+        f->origin_along[k] = p->origin[p->axis[k]].of[i];
     }
-    return &p->frames[i];
+    f->axis_x = p->axis[0];
+    f->axis_y = p->axis[1];
+    f->axis_z = p->axis[2];
+    f->shear_x = p->shear_x.of[i];
+    f->shear_y = p->shear_y.of[i];
+    f->scale_z = p->reciprocal[p->axis[2]].of[i];
+    f->doubt = p->doubt.of[i];
+    f->doubt_least = p->doubt_least.of[i];
+    return f;
 }
 
 /* The closest hit of a ray, taken out and put back. */
@@ -156,7 +169,7 @@ KDR_LANES_INLINE kdr_closest packet_closest_get(const packet *p, uint32_t i) {
                          .t = p->t.of[i],
                          .primitive = p->primitive.of[i],
                          .sure = p->sure >> i & 1,
-                         .block = {p->corner[i], p->length.of[i], 0},
+                         .block = {p->tree->blocks + p->corner.of[i], p->length.of[i], 0},
                          .place = 0,
                          .hit = p->hit[i]};
 }
@@ -166,7 +179,7 @@ KDR_LANES_INLINE void packet_closest_put(packet *p, uint32_t i, const kdr_closes
     p->t.of[i] = closest->t;
     p->primitive.of[i] = closest->primitive;
     p->sure = (p->sure & ~((packet_bits)1 << i)) | (packet_bits)closest->sure << i;
-    p->corner[i] = closest->block.rows + closest->place;
+    p->corner.of[i] = (uint32_t)(closest->block.rows + closest->place - p->tree->blocks);
     p->length.of[i] = (uint32_t)closest->block.length;
     p->hit[i] = closest->hit;
 }
