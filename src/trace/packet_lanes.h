@@ -99,6 +99,44 @@ static __attribute__((noinline)) bool packet_ask_alone(packet *p, uint32_t i, kd
     return false;
 }
 
+/* Rays ask KDR_LANES triangles one after the other: first which of them meet any, where no ray waits for another and no
+ * branch depends on the answer, then those go on. */
+KDR_LANES_INLINE packet_bits packet_ask_each(packet *p, packet_bits rays, kdr_block block, const bool any) {
+    const size_t length = block.length;
+    const float *x = block.rows + p->axis[0] * length, *y = block.rows + p->axis[1] * length;
+    const float *z = block.rows + p->axis[2] * length;
+    kdr_lanes_f ax[3], ay[3], az[3];
+    for (size_t i = 0; i < 3; i++) {
+        ax[i] = kdr_lanes_load(x + 3 * i * length);
+        ay[i] = kdr_lanes_load(y + 3 * i * length);
+        az[i] = kdr_lanes_load(z + 3 * i * length);
+    }
+    const kdr_lane_bits shown = kdr_lanes_first((uint32_t)block.shown);
+    uint8_t meets[KDR_PACKET_RAYS];
+    uint32_t count = 0;
+    for (; rays; rays &= rays - 1) {
+        uint32_t i = (uint32_t)__builtin_ctzll(rays);
+        kdr_lanes_f shear_x = kdr_lanes_all(p->shear_x.of[i]), shear_y = kdr_lanes_all(p->shear_y.of[i]);
+        kdr_lanes_f origin_x = kdr_lanes_all(p->origin[p->axis[0]].of[i]);
+        kdr_lanes_f origin_y = kdr_lanes_all(p->origin[p->axis[1]].of[i]);
+        kdr_lanes_f origin_z = kdr_lanes_all(p->origin[p->axis[2]].of[i]);
+        kdr_block_edges e;
+        kdr_lanes_f sx[3], sy[3];
+        for (int k = 0; k < 3; k++) {
+            e.z[k] = origin_z - az[k];
+            sx[k] = kdr_lanes_less_product(origin_x - ax[k], shear_x, e.z[k]);
+            sy[k] = kdr_lanes_less_product(origin_y - ay[k], shear_y, e.z[k]);
+        }
+        kdr_block_edges_set(&e, sx, sy, kdr_lanes_all(p->doubt_least.of[i]), kdr_lanes_all(p->doubt.of[i]));
+        meets[count] = (uint8_t)i;
+        count += (shown & ~kdr_block_outside(&e)) != 0;
+    }
+    packet_bits found = 0;
+    for (uint32_t k = 0; k < count; k++)
+        found |= (packet_bits)packet_ask_alone(p, meets[k], block, any) << meets[k];
+    return found;
+}
+
 /* Rays ask a leaf; returns those whose search for any hit ends. */
 KDR_LANES_INLINE packet_bits packet_ask(packet *p, const beam *b, kdr_block block, packet_bits rays, const bool any) {
     packet_bits found = 0;
@@ -112,10 +150,7 @@ KDR_LANES_INLINE packet_bits packet_ask(packet *p, const beam *b, kdr_block bloc
         if (asking <= PACKET_FEW_ASK || steps > asking) {
             size_t shown = block.shown - first < KDR_LANES ? block.shown - first : KDR_LANES;
             kdr_block part = {block.rows + first, block.length, shown};
-            for (; left; left &= left - 1) {
-                uint32_t i = (uint32_t)__builtin_ctzll(left);
-                found |= (packet_bits)packet_ask_alone(p, i, part, any) << i;
-            }
+            found |= packet_ask_each(p, left, part, any);
             continue;
         }
         for (; triangles; triangles &= triangles - 1) {

@@ -111,6 +111,9 @@ KDR_LANES_INLINE packet_bits packet_begin(packet *p, const kdr_tree *tree, const
         usual &= enough & kdr_lanes_less(tmin, tmax) & ~kdr_lanes_less(tmin, (kdr_lanes_f){0});
         fits |= packet_bits_of(usual & KDR_LANE_BITS_ALL, v);
     }
+    /* Distances are worked out for eight rays at once. */
+    for (uint32_t v = p->vectors; !any && v * KDR_LANES % 8 != 0; v++)
+        p->corner.lanes[v] = p->length.lanes[v] = (kdr_lanes_u){0};
     return fits & rays->valid;
 }
 
