@@ -171,8 +171,8 @@ KDR_LANES_INLINE void packet_await(const kdr_tree *tree, uint32_t child) {
         for (uint32_t row = 0; row < 9; row++)
             __builtin_prefetch(block.rows + row * block.length);
     } else {
-        for (uint32_t line = 0; line < 6; line++)
-            __builtin_prefetch(tree->wide[child].face[line]);
+        for (size_t at = 0; at < sizeof(kdr_wide_node); at += 64)
+            __builtin_prefetch((const char *)&tree->wide[child] + at);
     }
 }
 

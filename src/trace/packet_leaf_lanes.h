@@ -52,8 +52,9 @@ static __attribute__((noinline, unused)) bool packet_decide_any(const packet *p,
                                                                 size_t place) {
     packet_line ray = packet_line_of(p, i);
     kdr_triangle_hit hit;
-    return kdr_triangle_meet(ray.origin, ray.direction, kdr_block_corners(block, place), &hit) &&
-           hit.t > ray.tmin && hit.t <= ray.tmax;
+    kdr_corners corners = kdr_block_corners(block, place);
+    return !kdr_triangle_is_behind(ray.origin, ray.direction, corners, ray.tmin) &&
+           kdr_triangle_meet(ray.origin, ray.direction, corners, &hit) && hit.t > ray.tmin && hit.t <= ray.tmax;
 }
 
 /* A triangle's corners along the axes of the shear. */

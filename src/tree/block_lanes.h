@@ -143,6 +143,16 @@ static __attribute__((noinline, unused)) bool kdr_block_decide(kdr_block block, 
     return kdr_triangle_meet(f->origin, f->direction, kdr_block_corners(block, i), hit);
 }
 
+/* Decides whether one triangle that passed the filter is hit in (tmin, tmax]. */
+static __attribute__((noinline, unused)) bool kdr_block_decide_any(kdr_block block, size_t i, const kdr_ray_frame *f,
+                                                                   float tmin, float tmax) {
+    kdr_triangle_hit hit;
+    kdr_corners corners = kdr_block_corners(block, i);
+    return kdr_block_primitive(block, i) != UINT32_MAX &&
+           !kdr_triangle_is_behind(f->origin, f->direction, corners, tmin) &&
+           kdr_triangle_meet(f->origin, f->direction, corners, &hit) && hit.t > tmin && hit.t <= tmax;
+}
+
 /* Gives a closest hit that the filter was sure of its exact distance. */
 KDR_LANES_INLINE void kdr_closest_settle(kdr_closest *closest, const kdr_ray_frame *f) {
     if (!closest->sure)
@@ -219,13 +229,9 @@ KDR_LANES_INLINE bool kdr_block_any(kdr_block block, const kdr_ray_frame *f, flo
         if (left & kdr_block_inside(&e) & kdr_lanes_less(begin, span.from) & kdr_lanes_less(span.to, end))
             return true;
         left &= ~(kdr_lanes_less(span.to, begin) | kdr_lanes_less(end, span.from));
-        for (; left; left &= left - 1) {
-            size_t i = first + (uint32_t)__builtin_ctz(left);
-            kdr_triangle_hit hit;
-            if (kdr_block_primitive(block, i) != UINT32_MAX && kdr_block_decide(block, i, f, &hit) && hit.t > tmin &&
-                hit.t <= tmax)
+        for (; left; left &= left - 1)
+            if (kdr_block_decide_any(block, first + (uint32_t)__builtin_ctz(left), f, tmin, tmax))
                 return true;
-        }
     }
     return false;
 }
