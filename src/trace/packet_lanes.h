@@ -153,13 +153,7 @@ KDR_LANES_INLINE packet_bits packet_ask(packet *p, const beam *b, kdr_block bloc
             found |= packet_ask_each(p, left, part, any);
             continue;
         }
-        for (; triangles; triangles &= triangles - 1) {
-            size_t place = first + (uint32_t)__builtin_ctz(triangles);
-            if (any)
-                found |= packet_triangle_any(p, rays & ~found, block, place);
-            else
-                packet_triangle_closest(p, rays, block, place);
-        }
+        found |= packet_ask_together(p, left, block, first, triangles, any);
     }
     return found;
 }

@@ -94,64 +94,84 @@ KDR_LANES_INLINE void packet_put(packet_row_u *row, uint32_t v, kdr_lane_bits la
     row->lanes[v] = (kdr_lanes_u)kdr_lanes_choose(lanes, (kdr_lanes_f)all, (kdr_lanes_f)row->lanes[v]);
 }
 
-/* One triangle against the rays given: each keeps the closest of it and what it has. No branch depends on which of a
- * vector's rays it hits. */
-KDR_LANES_INLINE void packet_triangle_closest(packet *p, packet_bits rays, kdr_block block, size_t place) {
+/* Lanes of a vector of rays that may meet a triangle keep the closest of it and what they have. */
+KDR_LANES_INLINE void packet_keep_closest(packet *p, uint32_t v, kdr_lane_bits left, kdr_block block, size_t place) {
     const uint32_t primitive = kdr_block_primitive(block, place);
-    const uint32_t corner = (uint32_t)(block.rows + place - p->tree->blocks);
-    if (primitive == UINT32_MAX)
-        return;
     const packet_corners corners = packet_corners_of(p, block, place);
-    for (uint32_t v = 0; v < p->vectors; v++) {
-        kdr_lane_bits left = packet_lanes_of(rays, v);
-        if (left == 0)
-            continue;
-        kdr_block_edges e;
-        left &= packet_meet_triangle(p, v, &corners, &e);
-        kdr_block_span span = kdr_block_span_of(&e, p->reciprocal[p->axis[2]].lanes[v]);
-        kdr_lanes_f least = p->least.lanes[v], t = p->t.lanes[v], tmin = p->tmin.lanes[v];
-        left &= ~(kdr_lanes_less(span.to, tmin) | kdr_lanes_less(t, span.from));
-        kdr_lane_bits taken =
-            left & kdr_block_inside(&e) & kdr_lanes_less(tmin, span.from) & kdr_lanes_less(span.to, least);
-        p->least.lanes[v] = kdr_lanes_choose(taken, span.from, least);
-        p->t.lanes[v] = kdr_lanes_choose(taken, span.to, t);
-        packet_put(&p->primitive, v, taken, primitive);
-        packet_put(&p->corner, v, taken, corner);
-        packet_put(&p->length, v, taken, (uint32_t)block.length);
-        p->sure |= packet_bits_of(taken, v);
-        for (left &= ~taken; __builtin_expect(left != 0, 0); left &= left - 1) {
-            uint32_t i = v * KDR_LANES + (uint32_t)__builtin_ctz(left);
-            if (p->primitive.of[i] != primitive)
-                packet_decide(p, i, block, place, primitive);
-        }
+    kdr_block_edges e;
+    packet_meet_triangle(p, v, &corners, &e);
+    kdr_block_span span = kdr_block_span_of(&e, p->reciprocal[p->axis[2]].lanes[v]);
+    kdr_lanes_f least = p->least.lanes[v], t = p->t.lanes[v], tmin = p->tmin.lanes[v];
+    left &= ~(kdr_lanes_less(span.to, tmin) | kdr_lanes_less(t, span.from));
+    kdr_lane_bits taken =
+        left & kdr_block_inside(&e) & kdr_lanes_less(tmin, span.from) & kdr_lanes_less(span.to, least);
+    p->least.lanes[v] = kdr_lanes_choose(taken, span.from, least);
+    p->t.lanes[v] = kdr_lanes_choose(taken, span.to, t);
+    packet_put(&p->primitive, v, taken, primitive);
+    packet_put(&p->corner, v, taken, (uint32_t)(block.rows + place - p->tree->blocks));
+    packet_put(&p->length, v, taken, (uint32_t)block.length);
+    p->sure |= packet_bits_of(taken, v);
+    for (left &= ~taken; __builtin_expect(left != 0, 0); left &= left - 1) {
+        uint32_t i = v * KDR_LANES + (uint32_t)__builtin_ctz(left);
+        if (p->primitive.of[i] != primitive)
+            packet_decide(p, i, block, place, primitive);
     }
 }
 
-/* One triangle against the rays given; returns those that hit it. */
-KDR_LANES_INLINE packet_bits packet_triangle_any(packet *p, packet_bits rays, kdr_block block, size_t place) {
-    if (kdr_block_primitive(block, place) == UINT32_MAX)
-        return 0;
+/* Lanes of a vector of rays that may meet a triangle; returns those that hit it. */
+KDR_LANES_INLINE kdr_lane_bits packet_keep_any(packet *p, uint32_t v, kdr_lane_bits left, kdr_block block,
+                                               size_t place) {
     const packet_corners corners = packet_corners_of(p, block, place);
-    packet_bits found = 0;
-    for (uint32_t v = 0; v < p->vectors; v++) {
-        kdr_lane_bits left = packet_lanes_of(rays, v);
-        if (left == 0)
+    kdr_block_edges e;
+    packet_meet_triangle(p, v, &corners, &e);
+    kdr_block_span span = kdr_block_span_of(&e, p->reciprocal[p->axis[2]].lanes[v]);
+    kdr_lanes_f tmin = p->tmin.lanes[v], tmax = p->t.lanes[v];
+    kdr_lane_bits hit = left & kdr_block_inside(&e) & kdr_lanes_less(tmin, span.from) & kdr_lanes_less(span.to, tmax);
+    left &= ~(hit | kdr_lanes_less(span.to, tmin) | kdr_lanes_less(tmax, span.from));
+    for (; __builtin_expect(left != 0, 0); left &= left - 1) {
+        uint32_t lane = (uint32_t)__builtin_ctz(left);
+        hit |= (kdr_lane_bits)packet_decide_any(p, v * KDR_LANES + lane, block, place) << lane;
+    }
+    p->t.lanes[v] = kdr_lanes_choose(hit, kdr_lanes_all(-INFINITY), tmax);
+    return hit;
+}
+
+/* Some triangles of a block, one after the other, from `first` on, against the rays given: first all that may meet,
+ * where no step waits for another and no branch depends on the answer, then those go on. Returns the rays whose search
+ * for any hit ends. */
+KDR_LANES_INLINE packet_bits packet_ask_together(packet *p, packet_bits rays, kdr_block block, size_t first,
+                                                 kdr_lane_bits triangles, const bool any) {
+    struct {
+        uint8_t vector, triangle;
+        kdr_lane_bits lanes;
+    } meets[KDR_PACKET_RAYS];
+    uint32_t count = 0;
+    for (; triangles; triangles &= triangles - 1) {
+        uint32_t triangle = (uint32_t)__builtin_ctz(triangles);
+        if (kdr_block_primitive(block, first + triangle) == UINT32_MAX)
             continue;
-        kdr_block_edges e;
-        left &= packet_meet_triangle(p, v, &corners, &e);
-        if (left == 0)
-            continue;
-        kdr_block_span span = kdr_block_span_of(&e, p->reciprocal[p->axis[2]].lanes[v]);
-        kdr_lanes_f tmin = p->tmin.lanes[v], tmax = p->t.lanes[v];
-        kdr_lane_bits hit =
-            left & kdr_block_inside(&e) & kdr_lanes_less(tmin, span.from) & kdr_lanes_less(span.to, tmax);
-        left &= ~(hit | kdr_lanes_less(span.to, tmin) | kdr_lanes_less(tmax, span.from));
-        for (; __builtin_expect(left != 0, 0); left &= left - 1) {
-            uint32_t lane = (uint32_t)__builtin_ctz(left);
-            hit |= (kdr_lane_bits)packet_decide_any(p, v * KDR_LANES + lane, block, place) << lane;
+        const packet_corners corners = packet_corners_of(p, block, first + triangle);
+        for (uint32_t v = 0; v < p->vectors; v++) {
+            kdr_lane_bits lanes = packet_lanes_of(rays, v);
+            if (lanes == 0)
+                continue;
+            kdr_block_edges e;
+            lanes &= packet_meet_triangle(p, v, &corners, &e);
+            meets[count].vector = (uint8_t)v;
+            meets[count].triangle = (uint8_t)triangle;
+            meets[count].lanes = lanes;
+            count += lanes != 0;
         }
-        p->t.lanes[v] = kdr_lanes_choose(hit, kdr_lanes_all(-INFINITY), tmax);
-        found |= packet_bits_of(hit, v);
+    }
+    packet_bits found = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t v = meets[i].vector;
+        if (any)
+            found |= packet_bits_of(packet_keep_any(p, v, meets[i].lanes & ~packet_lanes_of(found, v), block,
+                                                    first + meets[i].triangle),
+                                    v);
+        else
+            packet_keep_closest(p, v, meets[i].lanes, block, first + meets[i].triangle);
     }
     return found;
 }
