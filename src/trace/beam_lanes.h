@@ -120,10 +120,10 @@ KDR_LANES_INLINE uint32_t beam_meet(const beam *b, const kdr_wide_node *node) {
     return met;
 }
 
-/* Triangles of a block that it may meet, from `first` on, at most KDR_LANES. */
-KDR_LANES_INLINE kdr_lane_bits beam_meet_triangles(const beam *b, kdr_block block, size_t first) {
+/* Triangles of a block of at most KDR_LANES that it may meet. */
+KDR_LANES_INLINE kdr_lane_bits beam_meet_triangles(const beam *b, kdr_block block) {
     kdr_lanes_f z[3];
-    const float *rows = block.rows + first;
+    const float *rows = block.rows;
     for (uint32_t i = 0; i < 3; i++)
         z[i] = kdr_lanes_load(rows + (3 * i + b->axis[2]) * block.length);
     kdr_lane_bits outside =
@@ -141,7 +141,7 @@ KDR_LANES_INLINE kdr_lane_bits beam_meet_triangles(const beam *b, kdr_block bloc
         outside |= kdr_lanes_less(kdr_lanes_max(kdr_lanes_max(below[0], below[1]), below[2]), (kdr_lanes_f){0}) |
                    kdr_lanes_less((kdr_lanes_f){0}, kdr_lanes_min(kdr_lanes_min(above[0], above[1]), above[2]));
     }
-    return ~outside & kdr_lanes_first((uint32_t)(block.shown - first));
+    return ~outside & kdr_lanes_first((uint32_t)block.shown);
 }
 
 #endif

@@ -84,60 +84,8 @@ static __attribute__((noinline)) void packet_part(packet *p, uint32_t child, pac
     }
 }
 
-/* A ray asks some triangles of a leaf on its own. True if they end the search for any hit. */
-static __attribute__((noinline)) bool packet_ask_alone(packet *p, uint32_t i, kdr_block block, const bool any) {
-    const float tmin = p->tmin.of[i];
-    const kdr_ray_frame *f = packet_ray_frame(p, i);
-    if (any) {
-        bool hit = kdr_block_any(block, f, tmin, p->t.of[i]);
-        p->t.of[i] = hit ? -INFINITY : p->t.of[i];
-        return hit;
-    }
-    kdr_closest closest = packet_closest_get(p, i);
-    kdr_block_closest(block, f, tmin, &closest);
-    packet_closest_put(p, i, &closest);
-    return false;
-}
-
-/* Rays ask KDR_LANES triangles one after the other: first which of them meet any, where no ray waits for another and no
- * branch depends on the answer, then those go on. */
-KDR_LANES_INLINE packet_bits packet_ask_each(packet *p, packet_bits rays, kdr_block block, const bool any) {
-    const size_t length = block.length;
-    const float *x = block.rows + p->axis[0] * length, *y = block.rows + p->axis[1] * length;
-    const float *z = block.rows + p->axis[2] * length;
-    kdr_lanes_f ax[3], ay[3], az[3];
-    for (size_t i = 0; i < 3; i++) {
-        ax[i] = kdr_lanes_load(x + 3 * i * length);
-        ay[i] = kdr_lanes_load(y + 3 * i * length);
-        az[i] = kdr_lanes_load(z + 3 * i * length);
-    }
-    const kdr_lane_bits shown = kdr_lanes_first((uint32_t)block.shown);
-    uint8_t meets[KDR_PACKET_RAYS];
-    uint32_t count = 0;
-    for (; rays; rays &= rays - 1) {
-        uint32_t i = (uint32_t)__builtin_ctzll(rays);
-        kdr_lanes_f shear_x = kdr_lanes_all(p->shear_x.of[i]), shear_y = kdr_lanes_all(p->shear_y.of[i]);
-        kdr_lanes_f origin_x = kdr_lanes_all(p->origin[p->axis[0]].of[i]);
-        kdr_lanes_f origin_y = kdr_lanes_all(p->origin[p->axis[1]].of[i]);
-        kdr_lanes_f origin_z = kdr_lanes_all(p->origin[p->axis[2]].of[i]);
-        kdr_block_edges e;
-        kdr_lanes_f sx[3], sy[3];
-        for (int k = 0; k < 3; k++) {
-            e.z[k] = origin_z - az[k];
-            sx[k] = kdr_lanes_less_product(origin_x - ax[k], shear_x, e.z[k]);
-            sy[k] = kdr_lanes_less_product(origin_y - ay[k], shear_y, e.z[k]);
-        }
-        kdr_block_edges_set(&e, sx, sy, kdr_lanes_all(p->doubt_least.of[i]), kdr_lanes_all(p->doubt.of[i]));
-        meets[count] = (uint8_t)i;
-        count += (shown & ~kdr_block_outside(&e)) != 0;
-    }
-    packet_bits found = 0;
-    for (uint32_t k = 0; k < count; k++)
-        found |= (packet_bits)packet_ask_alone(p, meets[k], block, any) << meets[k];
-    return found;
-}
-
-/* Rays ask a leaf; returns those whose search for any hit ends. */
+/* Rays ask a leaf, KDR_LANES triangles at a time; returns those whose search for any hit ends. Whether rays or triangles
+ * are in lanes is a matter of which way takes fewer steps. */
 KDR_LANES_INLINE packet_bits packet_ask(packet *p, const beam *b, kdr_block block, packet_bits rays, const bool any) {
     packet_bits found = 0;
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
@@ -145,15 +93,17 @@ KDR_LANES_INLINE packet_bits packet_ask(packet *p, const beam *b, kdr_block bloc
         uint32_t asking = (uint32_t)__builtin_popcountll(left);
         if (any && left == 0)
             return found;
-        kdr_lane_bits triangles = asking > PACKET_FEW_ASK ? beam_meet_triangles(b, block, first) : 0;
+        size_t shown = block.shown - first < KDR_LANES ? block.shown - first : KDR_LANES;
+        kdr_block part = {block.rows + first, block.length, shown};
+        kdr_lane_bits triangles = asking > PACKET_FEW_ASK ? beam_meet_triangles(b, part) : 0;
         uint32_t steps = (uint32_t)__builtin_popcount(triangles) * ((asking + KDR_LANES - 1) / KDR_LANES);
-        if (asking <= PACKET_FEW_ASK || steps > asking) {
-            size_t shown = block.shown - first < KDR_LANES ? block.shown - first : KDR_LANES;
-            kdr_block part = {block.rows + first, block.length, shown};
-            found |= packet_ask_each(p, left, part, any);
-            continue;
-        }
-        found |= packet_ask_together(p, left, block, first, triangles, any);
+        packet_meets meets;
+        meets.set = 0;
+        if (asking <= PACKET_FEW_ASK || steps > asking)
+            packet_meet_by_rays(p, left, part, &meets);
+        else
+            packet_meet_by_triangles(p, left, part, triangles, &meets);
+        found |= packet_look(p, &meets, part, any);
     }
     return found;
 }

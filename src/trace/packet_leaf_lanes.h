@@ -136,42 +136,84 @@ KDR_LANES_INLINE kdr_lane_bits packet_keep_any(packet *p, uint32_t v, kdr_lane_b
     return hit;
 }
 
-/* Some triangles of a block, one after the other, from `first` on, against the rays given: first all that may meet,
- * where no step waits for another and no branch depends on the answer, then those go on. Returns the rays whose search
- * for any hit ends. */
-KDR_LANES_INLINE packet_bits packet_ask_together(packet *p, packet_bits rays, kdr_block block, size_t first,
-                                                 kdr_lane_bits triangles, const bool any) {
-    struct {
-        uint8_t vector, triangle;
-        kdr_lane_bits lanes;
-    } meets[KDR_PACKET_RAYS];
-    uint32_t count = 0;
+/* Which rays may meet which of KDR_LANES triangles: lanes of vector v for triangle i at v * KDR_LANES + i, whose bit in
+ * `set` says that there are any. */
+typedef struct packet_meets {
+    packet_bits set;
+    kdr_lane_bits lanes[KDR_PACKET_RAYS];
+} packet_meets;
+
+/* Fills in *meets one triangle after the other. No step waits for another, and no branch depends on an answer. */
+KDR_LANES_INLINE void packet_meet_by_triangles(const packet *p, packet_bits rays, kdr_block block,
+                                               kdr_lane_bits triangles, packet_meets *meets) {
     for (; triangles; triangles &= triangles - 1) {
-        uint32_t triangle = (uint32_t)__builtin_ctz(triangles);
-        if (kdr_block_primitive(block, first + triangle) == UINT32_MAX)
-            continue;
-        const packet_corners corners = packet_corners_of(p, block, first + triangle);
+        uint32_t i = (uint32_t)__builtin_ctz(triangles);
+        const packet_corners corners = packet_corners_of(p, block, i);
         for (uint32_t v = 0; v < p->vectors; v++) {
             kdr_lane_bits lanes = packet_lanes_of(rays, v);
             if (lanes == 0)
                 continue;
             kdr_block_edges e;
             lanes &= packet_meet_triangle(p, v, &corners, &e);
-            meets[count].vector = (uint8_t)v;
-            meets[count].triangle = (uint8_t)triangle;
-            meets[count].lanes = lanes;
-            count += lanes != 0;
+            meets->lanes[v * KDR_LANES + i] = lanes;
+            meets->set |= (packet_bits)(lanes != 0) << (v * KDR_LANES + i);
         }
     }
+}
+
+/* The same one ray after the other, with triangles in lanes. */
+KDR_LANES_INLINE void packet_meet_by_rays(const packet *p, packet_bits rays, kdr_block block, packet_meets *meets) {
+    const size_t length = block.length;
+    kdr_lanes_f x[3], y[3], z[3];
+    for (size_t k = 0; k < 3; k++) {
+        x[k] = kdr_lanes_load(block.rows + (3 * k + p->axis[0]) * length);
+        y[k] = kdr_lanes_load(block.rows + (3 * k + p->axis[1]) * length);
+        z[k] = kdr_lanes_load(block.rows + (3 * k + p->axis[2]) * length);
+    }
+    uint8_t number[KDR_PACKET_RAYS];
+    kdr_lane_bits triangles[KDR_PACKET_RAYS];
+    uint32_t count = 0;
+    for (; rays; rays &= rays - 1) {
+        uint32_t i = (uint32_t)__builtin_ctzll(rays);
+        kdr_lanes_f shear_x = kdr_lanes_all(p->shear_x.of[i]), shear_y = kdr_lanes_all(p->shear_y.of[i]);
+        kdr_lanes_f origin_x = kdr_lanes_all(p->origin[p->axis[0]].of[i]);
+        kdr_lanes_f origin_y = kdr_lanes_all(p->origin[p->axis[1]].of[i]);
+        kdr_lanes_f origin_z = kdr_lanes_all(p->origin[p->axis[2]].of[i]);
+        kdr_block_edges e;
+        kdr_lanes_f sheared_x[3], sheared_y[3];
+        for (int k = 0; k < 3; k++) {
+            e.z[k] = origin_z - z[k];
+            sheared_x[k] = kdr_lanes_less_product(origin_x - x[k], shear_x, e.z[k]);
+            sheared_y[k] = kdr_lanes_less_product(origin_y - y[k], shear_y, e.z[k]);
+        }
+        kdr_block_edges_set(&e, sheared_x, sheared_y, kdr_lanes_all(p->doubt_least.of[i]),
+                            kdr_lanes_all(p->doubt.of[i]));
+        number[count] = (uint8_t)i;
+        triangles[count] = kdr_lanes_first((uint32_t)block.shown) & ~kdr_block_outside(&e);
+        count += triangles[count] != 0;
+    }
+    memset(meets->lanes, 0, sizeof meets->lanes);
+    for (uint32_t k = 0; k < count; k++) {
+        uint32_t v = number[k] / KDR_LANES;
+        for (kdr_lane_bits left = triangles[k]; left; left &= left - 1) {
+            uint32_t at = v * KDR_LANES + (uint32_t)__builtin_ctz(left);
+            meets->lanes[at] |= (kdr_lane_bits)1 << number[k] % KDR_LANES;
+            meets->set |= (packet_bits)1 << at;
+        }
+    }
+}
+
+/* Looks into what may meet. Returns the rays whose search for any hit ends. */
+KDR_LANES_INLINE packet_bits packet_look(packet *p, const packet_meets *meets, kdr_block block, const bool any) {
     packet_bits found = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t v = meets[i].vector;
+    for (packet_bits left = meets->set; left; left &= left - 1) {
+        uint32_t at = (uint32_t)__builtin_ctzll(left), v = at / KDR_LANES, i = at % KDR_LANES;
+        if (kdr_block_primitive(block, i) == UINT32_MAX)
+            continue;
         if (any)
-            found |= packet_bits_of(packet_keep_any(p, v, meets[i].lanes & ~packet_lanes_of(found, v), block,
-                                                    first + meets[i].triangle),
-                                    v);
+            found |= packet_bits_of(packet_keep_any(p, v, meets->lanes[at] & ~packet_lanes_of(found, v), block, i), v);
         else
-            packet_keep_closest(p, v, meets[i].lanes, block, first + meets[i].triangle);
+            packet_keep_closest(p, v, meets->lanes[at], block, i);
     }
     return found;
 }
