@@ -349,9 +349,10 @@ KDR_PACKET_TYPES(16);
 #undef KDR_PACKET_TYPES
 
 /* The same for packets: each active ray is answered as by kdr_intersect1, to the bit, and what belongs to the others is
- * neither changed nor looked at. valid: one number a ray, 0 where it is not active, any other (Embree has -1) where it
+ * not changed, whatever it is. valid: one number a ray, 0 where it is not active, any other (Embree has -1) where it
  * is; NULL: all are active. Fastest for rays that start and point alike, right for any. Every width works on every
- * machine. Thread safe. */
+ * machine, with up to 64 KiB of the calling thread's stack. scene and ray_hits must not be NULL. Never allocates, locks
+ * or fails. Thread safe. */
 KDR_API void kdr_intersect4(const kdr_scene *scene, const int32_t *valid, kdr_ray_hit4 *ray_hits);
 KDR_API void kdr_intersect8(const kdr_scene *scene, const int32_t *valid, kdr_ray_hit8 *ray_hits);
 KDR_API void kdr_intersect16(const kdr_scene *scene, const int32_t *valid, kdr_ray_hit16 *ray_hits);
@@ -372,7 +373,7 @@ typedef struct kdr_trace_def {
 KDR_API kdr_trace_def kdr_default_trace_def(void);
 
 /* The same for `count` rays, each answered as by kdr_intersect1 or kdr_occluded1. def NULL means the defaults.
- * occluded[i] becomes 1 or 0. Runs on the calling thread, with up to 128 KiB of its stack: split the rays over threads
+ * occluded[i] becomes 1 or 0. Runs on the calling thread, with up to 64 KiB of its stack: split the rays over threads
  * with kdr_device_run. */
 KDR_API void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_hit *ray_hits, size_t count);
 KDR_API void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, uint8_t *occluded,

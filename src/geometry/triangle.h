@@ -156,8 +156,8 @@ static inline __attribute__((always_inline)) void kdr_triangle_measure(const flo
         hit->normal[k] = (float)nr[k][0];
 }
 
-/* True if the ray meets the triangle's plane before tmin for sure, so that nothing else need be asked: as for the surface
- * that a shadow ray starts from. Errors as in kdr_corners_distance. */
+/* True if the ray meets the triangle's plane before tmin for sure, so that nothing else need be asked: as for the
+ * surface that a shadow ray starts from. Errors as in kdr_corners_distance. */
 static inline bool kdr_triangle_is_behind(const float o[3], const float d[3], kdr_corners t, float tmin) {
     double e[3], f[3], s[3];
     for (size_t k = 0; k < 3; k++) {

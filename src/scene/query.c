@@ -28,7 +28,7 @@ static inline void intersect(const kdr_scene *scene, const kdr_traversals *trave
 }
 
 /* True if the rays, one every `stride` bytes, are to go together: as the caller says, or if most of eight of them point
- * into one octant. Rays that point everywhere share too few nodes to pay for their lists. */
+ * into one octant. Rays that point everywhere share too few nodes. */
 static bool go_together(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, size_t stride,
                         size_t count) {
     kdr_coherence coherence = def ? def->coherence : KDR_COHERENCE_UNKNOWN;
@@ -63,8 +63,10 @@ static inline void turn(const kdr_quad from[4], kdr_quad to[4]) {
 static void gather(kdr_packet_rays *rays, const kdr_ray *from, size_t stride, uint32_t count) {
     rays->count = count;
     rays->valid = UINT64_MAX >> (KDR_PACKET_RAYS - count);
+    /* The next rays are on their way while these are traced. */
     for (size_t i = 0; i < KDR_PACKET_RAYS * stride; i += 64)
-        __builtin_prefetch((const char *)from + count * stride + i, 1);
+        __builtin_prefetch((const void *)((uintptr_t)from + count * stride + i), 1);
+
     for (uint32_t i = 0; i < count || i % 16 != 0; i += 4) {
         kdr_quad at[4], to[4], columns[4];
         for (uint32_t k = 0; k < 4; k++) {
@@ -115,34 +117,34 @@ bool kdr_occluded1(const kdr_scene *scene, const kdr_ray *ray) {
     return scene->device->traversals->single_any(&scene->tree, ray);
 }
 
+/* How many rays are left for one call, at most a packet. */
+static uint32_t next_rays(size_t begin, size_t count) {
+    return count - begin < KDR_PACKET_RAYS ? (uint32_t)(count - begin) : KDR_PACKET_RAYS;
+}
+
 void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_hit *ray_hits, size_t count) {
-    const kdr_traversals *traversals = scene->device->traversals;
-    for (size_t begin = 0; begin < count; begin += KDR_STREAM_RAYS) {
+    for (size_t begin = 0; begin < count; begin += KDR_PACKET_RAYS) {
         kdr_ray_hit *part = ray_hits + begin;
-        uint32_t rays = count - begin < KDR_STREAM_RAYS ? (uint32_t)(count - begin) : KDR_STREAM_RAYS;
-        if (!go_together(scene, def, &part->ray, sizeof *part, rays)) {
-            for (uint32_t i = 0; i < rays; i++)
-                intersect(scene, traversals, &part[i]);
+        uint32_t rays = next_rays(begin, count);
+        if (go_together(scene, def, &part->ray, sizeof *part, rays)) {
+            intersect_packet(scene, part, rays);
             continue;
         }
-        for (uint32_t i = 0; i < rays; i += KDR_PACKET_RAYS)
-            intersect_packet(scene, part + i, rays - i < KDR_PACKET_RAYS ? rays - i : KDR_PACKET_RAYS);
+        for (uint32_t i = 0; i < rays; i++)
+            intersect(scene, scene->device->traversals, &part[i]);
     }
 }
 
 void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, uint8_t *occluded,
                     size_t count) {
-    const kdr_traversals *traversals = scene->device->traversals;
-    for (size_t begin = 0; begin < count; begin += KDR_STREAM_RAYS) {
+    for (size_t begin = 0; begin < count; begin += KDR_PACKET_RAYS) {
         const kdr_ray *part = rays + begin;
-        uint32_t together = count - begin < KDR_STREAM_RAYS ? (uint32_t)(count - begin) : KDR_STREAM_RAYS;
+        uint32_t together = next_rays(begin, count);
         if (go_together(scene, def, part, sizeof *part, together)) {
-            for (uint32_t i = 0; i < together; i += KDR_PACKET_RAYS)
-                occluded_packet(scene, part + i, together - i < KDR_PACKET_RAYS ? together - i : KDR_PACKET_RAYS,
-                                occluded + begin + i);
+            occluded_packet(scene, part, together, occluded + begin);
             continue;
         }
         for (uint32_t i = 0; i < together; i++)
-            occluded[begin + i] = traversals->single_any(&scene->tree, &part[i]);
+            occluded[begin + i] = scene->device->traversals->single_any(&scene->tree, &part[i]);
     }
 }

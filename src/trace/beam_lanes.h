@@ -24,7 +24,8 @@ typedef struct beam {
     size_t from_face, to_face;
     uint32_t axis[3];
     float slack;
-    bool runs_down; /* rays run down z, and end at `from` */
+    float width, reach; /* how wide it is on x or y, the mean of both ends; the scene's largest coordinate */
+    bool runs_down;     /* rays run down z, and end at `from` */
 } beam;
 
 typedef struct beam_bounds {
@@ -93,9 +94,18 @@ KDR_LANES_INLINE bool beam_begin(beam *b, const packet *p, packet_bits group) {
     b->from_face = WIDE_FACE(z, 1);
     b->to_face = WIDE_FACE(z, 0);
     memcpy(b->axis, p->axis, sizeof b->axis);
+    b->reach = most;
+    b->width = 0;
     for (uint32_t i = 0; i < 2; i++) {
-        beam_side(b, 2 * i, kdr_lanes_least(ends[2 * i].lo), kdr_lanes_least(ends[2 * i + 1].lo), -slack);
-        beam_side(b, 2 * i + 1, kdr_lanes_most(ends[2 * i].hi), kdr_lanes_most(ends[2 * i + 1].hi), slack);
+        float lo[2], hi[2];
+        for (uint32_t end = 0; end < 2; end++) {
+            lo[end] = kdr_lanes_least(ends[2 * i + end].lo);
+            hi[end] = kdr_lanes_most(ends[2 * i + end].hi);
+        }
+        beam_side(b, 2 * i, lo[0], lo[1], -slack);
+        beam_side(b, 2 * i + 1, hi[0], hi[1], slack);
+        float width = 0.5f * ((hi[0] - lo[0]) + (hi[1] - lo[1]));
+        b->width = width > b->width ? width : b->width;
     }
     return true;
 }
@@ -126,9 +136,8 @@ KDR_LANES_INLINE kdr_lane_bits beam_meet_triangles(const beam *b, kdr_block bloc
     const float *rows = block.rows;
     for (uint32_t i = 0; i < 3; i++)
         z[i] = kdr_lanes_load(rows + (3 * i + b->axis[2]) * block.length);
-    kdr_lane_bits outside =
-        kdr_lanes_less(kdr_lanes_max(kdr_lanes_max(z[0], z[1]), z[2]), kdr_lanes_all(b->from)) |
-        kdr_lanes_less(kdr_lanes_all(b->to), kdr_lanes_min(kdr_lanes_min(z[0], z[1]), z[2]));
+    kdr_lane_bits outside = kdr_lanes_less(kdr_lanes_max(kdr_lanes_max(z[0], z[1]), z[2]), kdr_lanes_all(b->from)) |
+                            kdr_lanes_less(kdr_lanes_all(b->to), kdr_lanes_min(kdr_lanes_min(z[0], z[1]), z[2]));
     for (uint32_t k = 0; k < 2; k++) {
         kdr_lanes_f below[3], above[3];
         kdr_lanes_f start_lo = kdr_lanes_all(b->side[2 * k].start), start_hi = kdr_lanes_all(b->side[2 * k + 1].start);

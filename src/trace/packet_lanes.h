@@ -3,21 +3,27 @@
  * A node's sixteen boxes are tested against the beam at once, whatever the number of rays. Children that it meets wait
  * in the order of the octant; when one's turn comes its box is tested against the rays, KDR_LANES at a time, and those
  * that meet it go on. So the beam saves tests, and rays are never asked more than what their own boxes say. At a leaf
- * the beam picks the triangles, and each is tested against KDR_LANES rays at once; few rays ask on their own.
+ * the beam picks triangles, and rays or triangles are in lanes, whichever takes fewer steps. Hits shorten rays, and the
+ * beam when all rays have one.
+ *
+ * Rays are split by the axis along which they run and by its direction, since a beam has one. Signs on the other axes
+ * may differ: boxes are then tested without regard to them, in the order of one ray's octant. Rays that run apart have
+ * a wide beam, which is worth nothing, and go alone.
  *
  * Sources: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive Rendering with Coherent Ray Tracing", 2001; A.
  * Reshetov, "Omnidirectional Ray Tracing Traversal Algorithm for kd-trees", 2006.
- * Invariant: a ray is asked for every leaf box that it meets no later than its closest hit, so answers are those of a
- * lone ray to the bit. Cost: some 14 operations a node, 10 a vector of rays and box, 35 a vector of rays and
- * triangle. */
+ * Invariant: a ray is asked for every leaf whose box it meets no later than its closest hit, so its answer is that of a
+ * lone ray to the bit. Cost: some 14 operations a vector of boxes for all rays, 10 a vector of rays and box, 35 a
+ * vector of rays and triangle; about 30 KB of stack. */
 #ifndef KDR_TRACE_PACKET_LANES_H
 #define KDR_TRACE_PACKET_LANES_H
 
 #include "trace/beam_lanes.h"
 #include "trace/packet_leaf_lanes.h"
 
-#define PACKET_FEW 2       /* so many rays at a node go on alone */
-#define PACKET_FEW_ASK 3   /* so many at a leaf ask on their own */
+#define PACKET_WIDEST 0.25f /* of the scene's largest coordinate; rays in a wider beam go alone */
+#define PACKET_FEW 2        /* so many rays at a node go on alone */
+#define PACKET_FEW_ASK 7    /* for so many at a leaf the beam need not pick triangles */
 
 /* A child that waits: a node's number and its place there. */
 typedef struct packet_job {
@@ -84,8 +90,8 @@ static __attribute__((noinline)) void packet_part(packet *p, uint32_t child, pac
     }
 }
 
-/* Rays ask a leaf, KDR_LANES triangles at a time; returns those whose search for any hit ends. Whether rays or triangles
- * are in lanes is a matter of which way takes fewer steps. */
+/* Rays ask a leaf, KDR_LANES triangles at a time; returns those whose search for any hit ends. Whether rays or
+ * triangles are in lanes is a matter of which way takes fewer steps. */
 KDR_LANES_INLINE packet_bits packet_ask(packet *p, const beam *b, kdr_block block, packet_bits rays, const bool any) {
     packet_bits found = 0;
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
@@ -99,7 +105,7 @@ KDR_LANES_INLINE packet_bits packet_ask(packet *p, const beam *b, kdr_block bloc
         uint32_t steps = (uint32_t)__builtin_popcount(triangles) * ((asking + KDR_LANES - 1) / KDR_LANES);
         packet_meets meets;
         meets.set = 0;
-        if (asking <= PACKET_FEW_ASK || steps > asking)
+        if (asking <= PACKET_FEW_ASK || 3 * steps > 2 * asking)
             packet_meet_by_rays(p, left, part, &meets);
         else
             packet_meet_by_triangles(p, left, part, triangles, &meets);
@@ -235,6 +241,10 @@ KDR_LANES_INLINE packet_bits packet_run(packet *p, packet_bits rays, const bool 
         }
         if (!beam_begin(&b, p, group))
             continue;
+        if (b.width > PACKET_WIDEST * b.reach) {
+            alone |= group;
+            continue;
+        }
         b.runs_down = p->direction[p->axis[2]].of[leader] < 0;
         const wide_places *places = &wide_places_of[p->octant.of[leader]];
         size_t order = places->order;

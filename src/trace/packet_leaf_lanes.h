@@ -36,8 +36,7 @@ static __attribute__((noinline, unused)) void packet_decide(packet *p, uint32_t 
                                                             uint32_t primitive) {
     packet_line ray = packet_line_of(p, i);
     kdr_triangle_hit hit;
-    if (!kdr_triangle_meet(ray.origin, ray.direction, kdr_block_corners(block, place), &hit) ||
-        hit.t <= ray.tmin)
+    if (!kdr_triangle_meet(ray.origin, ray.direction, kdr_block_corners(block, place), &hit) || hit.t <= ray.tmin)
         return;
     if (p->sure >> i & 1)
         packet_settle_one(p, i);
@@ -221,9 +220,7 @@ KDR_LANES_INLINE packet_bits packet_look(packet *p, const packet_meets *meets, k
 typedef double packet_eight __attribute__((vector_size(64)));
 typedef int64_t packet_eight_i __attribute__((vector_size(64)));
 
-KDR_LANES_INLINE packet_eight packet_eight_abs(packet_eight q) {
-    return (packet_eight)((packet_eight_i)q & INT64_MAX);
-}
+KDR_LANES_INLINE packet_eight packet_eight_abs(packet_eight q) { return (packet_eight)((packet_eight_i)q & INT64_MAX); }
 
 KDR_LANES_INLINE packet_eight packet_eight_choose(packet_eight_i chosen, packet_eight a, packet_eight b) {
     return (packet_eight)(((packet_eight_i)a & chosen) | ((packet_eight_i)b & ~chosen));
@@ -250,8 +247,8 @@ KDR_LANES_INLINE packet_eight_f packet_eight_gather(const float *blocks, const s
 #endif
 }
 
-/* kdr_triangle_measure for eight rays from `first` on whose hits the filter was sure of: the same operations in the same
- * order on the same numbers, so the same bits. Lanes of other rays have no meaning. */
+/* kdr_triangle_measure for eight rays from `first` on whose hits the filter was sure of: the same operations in the
+ * same order on the same numbers, so the same bits. Lanes of other rays have no meaning. */
 KDR_LANES_INLINE void packet_measure(const packet *p, uint32_t first, uint32_t rays, kdr_packet_found *found) {
     packet_eight e[3], f[3], s[3], d[3], n[3], r[3];
     size_t at[8], length[8];
@@ -288,8 +285,8 @@ KDR_LANES_INLINE void packet_measure(const packet *p, uint32_t first, uint32_t r
     packet_eight size_n = KDR_TRIANGLE_ERROR * size_e * size_f, size = packet_eight_abs(quotient);
     packet_eight_i rest = ((packet_eight_i)quotient & 0x1fffffff) - (0x10000000 - 0x80000);
     packet_eight_i good = (0x1p36 * size_n * size_s < packet_eight_abs(num)) &
-                          (0x1p36 * size_n * size_d < packet_eight_abs(den)) &
-                          ((rest < 0) | (rest > 2 * 0x80000)) & (size > 0x1p-125) & (size < 0x1p127);
+                          (0x1p36 * size_n * size_d < packet_eight_abs(den)) & ((rest < 0) | (rest > 2 * 0x80000)) &
+                          (size > 0x1p-125) & (size < 0x1p127);
 
     packet_eight u = -ru * inverse, v = rv * inverse, zero = {0}, one = zero + 1;
     u = packet_eight_choose(u > 0, packet_eight_choose(u < 1, u, one), zero);
@@ -305,8 +302,8 @@ KDR_LANES_INLINE void packet_measure(const packet *p, uint32_t first, uint32_t r
             continue;
         packet_line ray = packet_line_of(p, first + i);
         kdr_corners corners = {p->tree->blocks + p->corner.of[first + i], p->length.of[first + i]};
-        found->t[first + i] = kdr_corners_distance(ray.origin, ray.direction, corners, num[i], den[i], size_n[i],
-                                                   size_s[i], size_d[i]);
+        found->t[first + i] =
+            kdr_corners_distance(ray.origin, ray.direction, corners, num[i], den[i], size_n[i], size_s[i], size_d[i]);
     }
 }
 

@@ -118,8 +118,8 @@ KDR_LANES_INLINE packet_bits packet_begin(packet *p, const kdr_tree *tree, const
 }
 
 /* Makes rays ready for triangles, in a shear along one axis: p->axis[2]. The rays given have no shear above 2. With a
- * shear of s a sheared coordinate is off by at most e = 2^-24 (2 + 5 s) m; kdr_ray_frame_set has s = 1, which no ray along
- * its longest axis exceeds, and `doubt` is in proportion to e. */
+ * shear of s a sheared coordinate is off by at most e = 2^-24 (2 + 5 s) m; kdr_ray_frame_set has s = 1, which no ray
+ * along its longest axis exceeds, and `doubt` is in proportion to e. */
 KDR_LANES_INLINE void packet_frame(packet *p) {
     const uint32_t x = p->axis[0], y = p->axis[1], z = p->axis[2];
     const kdr_box *bounds = &p->tree->bounds;

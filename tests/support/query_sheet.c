@@ -255,7 +255,8 @@ static void ask_in_packets(interview *asking) {
             uint32_t sparse = test_random_below(&random, 4);
             for (uint32_t i = 0; i < width; i++) {
                 number[i] = alike ? first : first + i < asking->sheet->count ? first + i : 0;
-                valid[i] = test_random_below(&random, 4) >= sparse ? -1 - (int32_t)test_random_below(&random, 2) * 6 : 0;
+                valid[i] =
+                    test_random_below(&random, 4) >= sparse ? -1 - (int32_t)test_random_below(&random, 2) * 6 : 0;
             }
             ask_one_packet(asking, width, sparse == 0 ? NULL : valid, number);
         }
