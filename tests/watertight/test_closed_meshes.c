@@ -184,7 +184,7 @@ static void rays_between_two_halves_of_a_torus_see_both(void **state) {
     for (int i = 0; i < COUNT; i++) {
         float o[3], target[3];
         origin_in_torus(&random, o);
-        choose_target(&random, &mesh, 0, target);
+        choose_target(&random, &mesh, test_random_below(&random, (uint32_t)mesh.triangle_count), 0, target);
         float length = i % 2 ? 1 : 0x1p-110f;
         rays[i] = (kdr_ray){.origin_x = o[0],
                             .origin_y = o[1],
