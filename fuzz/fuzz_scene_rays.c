@@ -75,6 +75,20 @@ static kdr_build_def take_build_def(source *from) {
         def.split = (kdr_split_rule)(rules % 3);
         def.axis = (kdr_axis_rule)(rules / 3 % 4);
     }
+    if (flags & 64) {
+        uint8_t rules = take_byte(from);
+        def.order = (kdr_order_rule)(rules % 2);
+        def.share = (kdr_share_rule)(rules / 2 % 5);
+        def.share_count = def.share == KDR_SHARE_NONE ? 0 : 1 + take_byte(from) % 20;
+        def.retract = rules / 10 % 2 > 0;
+    }
+    if (flags & 128) {
+        uint8_t rules = take_byte(from);
+        def.split = KDR_SPLIT_SWEEP;
+        def.events = (kdr_event_form)(2 + rules % 2);
+        def.straddle = (kdr_straddle_rule)(rules / 2 % 2);
+        def.box_weight = (float)(rules / 4 % 3) / 2;
+    }
     return def;
 }
 

@@ -179,7 +179,7 @@ void kdr_bench_print(FILE *out, const kdr_bench_row *rows, uint32_t row_count);
 /* Comment lines that say what was run and on what, a line of names, a line a row. */
 void kdr_bench_write_csv(FILE *out, const kdr_bench_run_info *info, const kdr_bench_row *rows, size_t row_count);
 
-/* A list of objects, one a row. */
-void kdr_bench_write_json(FILE *out, const kdr_bench_row *rows, size_t row_count);
+/* A list of objects, one a row, each with the plan by which its tree was built; null for Embree's. */
+void kdr_bench_write_json(FILE *out, const kdr_bench_run_info *info, const kdr_bench_row *rows, size_t row_count);
 
 #endif

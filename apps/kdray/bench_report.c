@@ -194,7 +194,9 @@ void kdr_bench_write_csv(FILE *out, const kdr_bench_run_info *info, const kdr_be
     }
 }
 
-void kdr_bench_write_json(FILE *out, const kdr_bench_row *rows, size_t row_count) {
+void kdr_bench_write_json(FILE *out, const kdr_bench_run_info *info, const kdr_bench_row *rows, size_t row_count) {
+    char plan[KDR_PLAN_TEXT_SIZE] = "";
+    kdr_build_def_print(&info->build, plan, sizeof plan);
     kdr_json json = kdr_json_begin_list(out);
     for (size_t i = 0; i < row_count; i++) {
         figure figures[FIGURES];
@@ -202,6 +204,7 @@ void kdr_bench_write_json(FILE *out, const kdr_bench_row *rows, size_t row_count
         kdr_json_object(&json, NULL);
         kdr_json_text(&json, "scene", rows[i].scene);
         kdr_json_text(&json, "tracer", rows[i].tracer);
+        kdr_json_text(&json, "plan", strncmp(rows[i].tracer, "kdray/", 6) == 0 ? plan : NULL);
         for (int k = 0; k < FIGURES; k++) {
             if (figures[k].whole)
                 kdr_json_whole(&json, figures[k].name, (uint64_t)figures[k].value);

@@ -295,7 +295,7 @@ static bool write_results(bench_run *run, const char *path) {
     if (path == run->request->csv)
         kdr_bench_write_csv(output.file, &run->info, run->rows, run->count);
     else
-        kdr_bench_write_json(output.file, run->rows, run->count);
+        kdr_bench_write_json(output.file, &run->info, run->rows, run->count);
     return kdr_output_close(&output, run->messages);
 }
 

@@ -1,33 +1,55 @@
 /* kdray info: what a mesh and its tree are made of. */
 #include "command.h"
+#include "option_numbers.h"
 #include "output.h"
 #include "report.h"
 #include "signals.h"
+#include "slice.h"
 #include "tree_options.h"
 
 #include <inttypes.h>
 #include <string.h>
 #include <unistd.h>
 
-enum { SCENES = 0x100, PLANS };
+enum { SCENES = 0x100, PLANS, SLICE };
 
 typedef struct info_options {
     const char *file;
     bool scenes, plans, quiet;
+    const char *output; /* of the slice; NULL: there is none */
+    bool sliced;
+    kdr_slice slice;
     kdr_tree_options tree;
 } info_options;
 
 static const struct argp_option option_list[] = {
     {"scenes", SCENES, NULL, 0, "List the built-in scenes", 1},
     {"plans", PLANS, NULL, 0, "List the keys of a plan with their values and defaults", 1},
+    {"slice", SLICE, "AXIS=POSITION", 0,
+     "Draw the cells of the tree that a plane cuts: x, y or z, and a coordinate or a percentage of the box, such as "
+     "z=50%",
+     2},
+    {"output", 'o', "FILE", 0, "Write that drawing to this SVG file; - is stdout", 2},
     {"quiet", 'q', NULL, 0, "No warnings and no progress", 10},
     {0},
 };
 
-static const char description[] = "Print what a mesh and its tree are made of.\v"
-                                  "FILE is a mesh file (PLY, OBJ, STL and others, also gzipped) or "
-                                  "builtin:NAME[:TRIANGLES[:TIME]], a built-in scene.\n\n"
-                                  "Exit status: 0 done, 1 failed, 2 wrong usage.";
+static const char description[] =
+    "Print what a mesh and its tree are made of.\v"
+    "FILE is a mesh file (PLY, OBJ, STL and others, also gzipped) or "
+    "builtin:NAME[:TRIANGLES[:TIME]], a built-in scene.\n\n"
+    "A slice is 800 pixels wide or high. Leaves are coloured by depth, empty ones are "
+    "outlined, and the triangles that the plane cuts are drawn in red. Cells narrower "
+    "than half a pixel or smaller than a pixel, and where there are more than 6000 "
+    "rectangles the smallest ones, are drawn together, in the colour of their mean depth; "
+    "of more than 6000 triangles the longest cuts are drawn.\n\n"
+    "Exit status: 0 done, 1 failed, 2 wrong usage.";
+
+static bool is_stdout(const char *path) { return path && strcmp(path, "-") == 0; }
+
+static bool is_same_output(const char *a, const char *b) {
+    return is_stdout(a) || is_stdout(b) ? is_stdout(a) && is_stdout(b) : kdr_output_same(a, b);
+}
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
     info_options *options = state->input;
@@ -35,6 +57,12 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_INIT: state->child_inputs[0] = &options->tree; break;
     case SCENES: options->scenes = true; break;
     case PLANS: options->plans = true; break;
+    case SLICE:
+        kdr_option_position(state, "--slice", text, &options->slice.axis, &options->slice.position,
+                            &options->slice.percent);
+        options->sliced = true;
+        break;
+    case 'o': options->output = text; break;
     case 'q': options->quiet = true; break;
     case ARGP_KEY_ARG:
         if (options->file)
@@ -42,6 +70,12 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
         options->file = text;
         break;
     case ARGP_KEY_END:
+        if (options->sliced && !options->output)
+            argp_error(state, "--slice: expected -o FILE as well, for the drawing");
+        if (options->output && !options->sliced)
+            argp_error(state, "-o: expected --slice AXIS=POSITION as well, the drawing that it names a file for");
+        if (options->output && options->tree.json && is_same_output(options->output, options->tree.json))
+            argp_error(state, "-o and --json: expected two files, found \"%.40s\" twice", options->output);
         if (!options->file && !options->scenes && !options->plans)
             argp_error(state, "expected a mesh file or builtin:NAME");
         if (options->scenes && options->plans)
@@ -81,16 +115,19 @@ typedef struct inspection {
     float bounds[6];
 } inspection;
 
-static bool prepare(inspection *work) {
-    const char *json = work->options->tree.json;
-    if (json && strcmp(json, "-") != 0) {
-        if (kdr_output_same(json, work->options->file)) {
-            kdr_messages_fail(work->messages, "the JSON would replace the mesh file %s", json);
-            return false;
-        }
-        if (!kdr_output_check(json, work->messages))
-            return false;
+static bool check_output(inspection *work, const char *what, const char *path) {
+    if (!path || is_stdout(path))
+        return true;
+    if (kdr_output_same(path, work->options->file)) {
+        kdr_messages_fail(work->messages, "the %s would replace the mesh file %s", what, path);
+        return false;
     }
+    return kdr_output_check(path, work->messages);
+}
+
+static bool prepare(inspection *work) {
+    if (!check_output(work, "JSON", work->options->tree.json) || !check_output(work, "drawing", work->options->output))
+        return false;
     work->device = kdr_tree_options_device(&work->options->tree, work->messages);
     return work->device;
 }
@@ -184,13 +221,36 @@ static bool write_json(inspection *work) {
     return kdr_output_close(&output, work->messages);
 }
 
+static bool write_slice(inspection *work) {
+    char text[256], plan[KDR_PLAN_TEXT_SIZE] = "";
+    const info_options *options = work->options;
+    kdr_slice_sheet sheet;
+    const char *problem = kdr_slice_cut(&options->slice, work->scene, work->mesh, &sheet, text, sizeof text);
+    if (problem) {
+        kdr_messages_fail(work->messages, "%s", problem);
+        return false;
+    }
+    kdr_build_def_print(&options->tree.build, plan, sizeof plan);
+    kdr_slice_legend legend = {options->file, plan, &work->stats};
+    kdr_output output;
+    bool done = kdr_output_open(&output, options->output, work->messages);
+    if (done) {
+        kdr_slice_draw(output.file, &sheet, &legend);
+        done = kdr_output_close(&output, work->messages);
+    }
+    kdr_slice_release(&sheet);
+    return done;
+}
+
 static bool deliver(inspection *work) {
     kdr_signals_defer();
-    const char *json = work->options->tree.json;
+    const char *json = work->options->tree.json, *drawing = work->options->output;
+    if (drawing && !write_slice(work))
+        return false;
     if (json && !write_json(work))
         return false;
-    // Where stdout carries the JSON, it carries nothing else.
-    if (json && strcmp(json, "-") == 0)
+    // Where stdout carries a file, it carries nothing else.
+    if (is_stdout(json) || is_stdout(drawing))
         return true;
     print_mesh(work);
     kdr_report_tree(stdout, &work->stats);

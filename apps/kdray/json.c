@@ -1,31 +1,14 @@
 #include "json.h"
+#include "utf8.h"
 
 #include <inttypes.h>
 #include <math.h>
-
-/* Bytes of the UTF-8 sequence at `text` (shortest form, no surrogates, at most U+10FFFF), or 0. */
-static int sequence_length(const unsigned char *text) {
-    unsigned char first = text[0];
-    if (first < 0x80)
-        return 1;
-    int length = first >= 0xc2 && first <= 0xdf   ? 2
-                 : first >= 0xe0 && first <= 0xef ? 3
-                 : first >= 0xf0 && first <= 0xf4 ? 4
-                                                  : 0;
-    for (int i = 1; i < length; i++)
-        if ((text[i] & 0xc0) != 0x80)
-            return 0;
-    if ((first == 0xe0 && text[1] < 0xa0) || (first == 0xed && text[1] > 0x9f) || (first == 0xf0 && text[1] < 0x90) ||
-        (first == 0xf4 && text[1] > 0x8f))
-        return 0;
-    return length;
-}
 
 static void put_text(FILE *file, const char *given) {
     const unsigned char *text = (const unsigned char *)given;
     fputc('"', file);
     while (*text) {
-        int length = sequence_length(text);
+        int length = kdr_utf8_length(text);
         if (length == 0) {
             fputs("\\ufffd", file);
             text++;

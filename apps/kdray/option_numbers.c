@@ -3,7 +3,6 @@
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -99,4 +98,20 @@ void kdr_option_size(struct argp_state *state, const char *option, const char *t
     }
     *width = (uint32_t)sides[0];
     *height = (uint32_t)sides[1];
+}
+
+void kdr_option_position(struct argp_state *state, const char *option, const char *text, uint32_t *axis, double *value,
+                         bool *percent) {
+    bool named = text[0] >= 'x' && text[0] <= 'z' && text[1] == '=';
+    const char *number = named ? text + 2 : text, *end = end_of(number);
+    *percent = end > number && end[-1] == '%';
+    if (*percent)
+        end--;
+    if (!named || !read_real(number, end, value) || (*percent && (*value < 0 || *value > 100))) {
+        argp_error(state,
+                   "%s: expected AXIS=POSITION, such as x=2.5, or z=50%% for the middle of the box, found \"%.40s\"",
+                   option, text);
+        return;
+    }
+    *axis = (uint32_t)(text[0] - 'x');
 }

@@ -4,6 +4,7 @@
 #define KDR_APPS_KDRAY_OPTION_NUMBERS_H
 
 #include <argp.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 /* A whole number from min to max. */
@@ -24,5 +25,9 @@ void kdr_option_triple(struct argp_state *state, const char *option, const char 
 /* WIDTHxHEIGHT, each from 1 to limit. */
 void kdr_option_size(struct argp_state *state, const char *option, const char *text, uint32_t limit, uint32_t *width,
                      uint32_t *height);
+
+/* AXIS=POSITION: x, y or z, and a finite number or a percentage from 0% to 100%. */
+void kdr_option_position(struct argp_state *state, const char *option, const char *text, uint32_t *axis, double *value,
+                         bool *percent);
 
 #endif

@@ -274,7 +274,33 @@ typedef enum kdr_straddle_rule {
     KDR_STRADDLE_CLIP,    /* sweep: the triangle is cut, and goes only where it really is */
 } kdr_straddle_rule;
 
-/* How the tree is built: the plan. Costs are relative costs of the surface area heuristic. */
+/* How single rays go through the tree; never changes an answer. All but AUTO ask every ray of every query alone. */
+typedef enum kdr_trace_rule {
+    KDR_TRACE_AUTO,        /* the fastest there is: the wide tree where there are lanes, rays together in streams */
+    KDR_TRACE_STACK,       /* front to back through the kd-tree, with a stack of far children */
+    KDR_TRACE_RESTART,     /* no stack: from the root again for every leaf */
+    KDR_TRACE_PUSH_DOWN,   /* restart, from the deepest node above which nothing waits */
+    KDR_TRACE_SHORT_STACK, /* a stack of few places; push-down where it has lost what waits */
+    KDR_TRACE_BACKTRACK,   /* no stack: up by parent links, which add 28 bytes a node */
+} kdr_trace_rule;
+
+/* How the nodes lie that are traced; never changes an answer. */
+typedef enum kdr_nodes_rule {
+    KDR_NODES_STRUCTURES, /* a word of 8 bytes each */
+    KDR_NODES_ARRAYS,     /* as well, an array for each field, 13 bytes a node: STACK and RESTART only */
+} kdr_nodes_rule;
+
+/* Triangles that a ray remembers, so that none of them is tested again in another leaf; never changes an answer. Not
+ * with KDR_TRACE_AUTO, which has few triangles in two leaves. */
+typedef enum kdr_mailbox_rule {
+    KDR_MAILBOX_NONE,
+    KDR_MAILBOX_8,
+    KDR_MAILBOX_16,
+    KDR_MAILBOX_32,
+    KDR_MAILBOX_64,
+} kdr_mailbox_rule;
+
+/* How the tree is built and traced: the plan. Costs are relative costs of the surface area heuristic. */
 typedef struct kdr_build_def {
     size_t size; /* set by kdr_default_build_def */
     kdr_split_rule split;
@@ -295,6 +321,9 @@ typedef struct kdr_build_def {
                               no more than this are never split. 0: 64 for binned and sweep, 8 for the others */
     uint32_t depth_limit;  /* 0: 8 + 1.3 log2(primitives); at most KDR_MAX_DEPTH */
     float reference_limit; /* references a primitive, over the whole tree, that splitting may use; >= 1 */
+    kdr_trace_rule trace;
+    kdr_nodes_rule nodes;
+    kdr_mailbox_rule mailbox;
 } kdr_build_def;
 
 #define KDR_MAX_DEPTH 60
@@ -313,7 +342,8 @@ KDR_API kdr_build_def kdr_quality_build_def(kdr_quality quality);
 /* A plan as text: words KEY=VALUE with spaces between them, such as "split=object leaf-limit=4". Reads it into *out; a
  * key that is left out has its default. On failure *out is left alone and `problem`, unless its size is 0, gets one
  * sentence, cut to that size, that names the word and what is allowed.
- * Errors: INVALID_ARGUMENT (unknown key, value that is not allowed, key given twice, text or out NULL). Thread safe. */
+ * Errors: INVALID_ARGUMENT (unknown key, value that is not allowed, key given twice, values that do not go together,
+ * text or out NULL). Thread safe. */
 KDR_API kdr_status kdr_build_def_parse(const char *text, kdr_build_def *out, char *problem, size_t problem_size);
 
 #define KDR_PLAN_TEXT_SIZE 512 /* bytes that hold every plan as text, with its end */
@@ -368,6 +398,27 @@ typedef struct kdr_tree_stats {
 
 /* Walks the committed trees and counts. Errors: INVALID_ARGUMENT. Thread safe with queries. */
 KDR_API kdr_status kdr_scene_stats(const kdr_scene *scene, kdr_tree_stats *out);
+
+/* A node of the committed tree: a box of space, divided in two by a plane or else a leaf. */
+typedef struct kdr_cell {
+    float bounds[6];          /* {min x, y, z, max x, y, z} */
+    uint32_t depth;           /* the root has 0 */
+    bool is_leaf, is_custom;  /* custom: of the tree of the custom primitives, not of the triangles' */
+    uint32_t axis;            /* of the split plane: 0, 1, 2; 0 for a leaf */
+    float plane;              /* where it cuts that axis; 0 for a leaf */
+    uint32_t primitive_count; /* in the leaf, each counted in every leaf that has it; 0 if not a leaf */
+} kdr_cell;
+
+/* What a visitor wants next: cells inside this one and what follows, what follows, or nothing more. */
+typedef enum kdr_cell_step { KDR_CELL_INTO, KDR_CELL_PAST, KDR_CELL_STOP } kdr_cell_step;
+typedef kdr_cell_step kdr_cell_fn(const kdr_cell *cell, void *user); /* cell: valid during the call only */
+
+/* Shows the cells of the committed tree to a visitor, on the calling thread: every cell before those inside it, what
+ * lies below a plane before what lies above it; then those of the custom primitives' tree, if there are any. A tree
+ * without triangles is one empty leaf with min > max. The visitor may ask queries, but not change the scene. Never
+ * allocates. Errors: INVALID_ARGUMENT (scene or visit NULL); that the visitor stops is none. Thread safe with queries.
+ */
+KDR_API kdr_status kdr_scene_cells(const kdr_scene *scene, kdr_cell_fn *visit, void *user);
 
 /* A number that is equal for equal trees (nodes, split planes and the primitives of each leaf), however they lie in
  * memory and whoever built them. 0 before the first commit. */

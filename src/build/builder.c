@@ -100,7 +100,11 @@ static kdr_status open_root(kdr_build_state *state, kdr_build_task *root) {
         kdr_bulk_put(state->shop->bulk, root->memory, root->memory_size);
         return KDR_ERROR_OUT_OF_MEMORY;
     }
-    uint32_t count = share->divide(state, root, state->plan.share_count, tasks);
+    /* Regions are halved until there are as many as asked for, or as many as the depth allows. */
+    uint32_t wanted = state->plan.share_count, levels = state->plan.depth_limit;
+    if (levels < 32 && wanted > 1u << levels)
+        wanted = 1u << levels;
+    uint32_t count = share->divide(state, root, wanted, tasks);
     kdr_status status = state->order->run(state, tasks, count);
     kdr_arena_restore(arena, mark);
     return status;

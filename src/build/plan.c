@@ -71,6 +71,16 @@ const char *kdr_build_def_problem(const kdr_build_def *def) {
         return "depth_limit must be at most 60";
     if (!(def->reference_limit >= 1 && (double)def->reference_limit <= KDR_PLAN_COST_LIMIT))
         return "reference_limit must be at least 1 and at most 1,000,000";
+    if ((unsigned)def->trace > KDR_TRACE_BACKTRACK)
+        return "trace must be one of kdr_trace_rule";
+    if ((unsigned)def->nodes > KDR_NODES_ARRAYS)
+        return "nodes must be one of kdr_nodes_rule";
+    if ((unsigned)def->mailbox > KDR_MAILBOX_64)
+        return "mailbox must be one of kdr_mailbox_rule";
+    if (def->nodes == KDR_NODES_ARRAYS && def->trace != KDR_TRACE_STACK && def->trace != KDR_TRACE_RESTART)
+        return "nodes=arrays goes with trace=stack or trace=restart";
+    if (def->mailbox != KDR_MAILBOX_NONE && def->trace == KDR_TRACE_AUTO)
+        return "a mailbox goes with a traversal by name, not with trace=auto";
     return NULL;
 }
 
@@ -90,7 +100,10 @@ kdr_plan kdr_plan_of(const kdr_build_def *def) {
                      .cost_intersection = def->cost_intersection,
                      .leaf_limit = def->leaf_limit,
                      .depth_limit = def->depth_limit,
-                     .reference_limit = def->reference_limit};
+                     .reference_limit = def->reference_limit,
+                     .trace = def->trace,
+                     .nodes = def->nodes,
+                     .mailbox = def->mailbox};
     if (plan.axis == KDR_AXIS_DEFAULT)
         plan.axis = weighs ? KDR_AXIS_BEST : KDR_AXIS_LONGEST;
     if (plan.leaf_limit == 0)

@@ -27,6 +27,9 @@ static const char *const order_names[] = {"dfs", "bfs"};
 static const char *const share_names[] = {"none", "serial", "line", "grid", "cluster"};
 static const char *const event_names[] = {"", "", "2", "3"};
 static const char *const straddle_names[] = {"general", "clip"};
+static const char *const trace_names[] = {"auto", "stack", "restart", "push-down", "short-stack", "backtrack"};
+static const char *const nodes_names[] = {"structures", "arrays"};
+static const char *const mailbox_names[] = {"0", "8", "16", "32", "64"};
 static const char *const bool_names[] = {"no", "yes"};
 
 /* How a key's value is held in a def: as a word of a list, a whole number or a real one. */
@@ -150,6 +153,27 @@ static const plan_key keys[] = {
      .kind = KEY_REAL,
      .min = 1,
      .max = KDR_PLAN_COST_LIMIT},
+    {.name = "trace",
+     .allowed = "auto, stack, restart, push-down, short-stack or backtrack",
+     .text = "auto|stack|restart|push-down|short-stack|backtrack, default auto: trace rays the fastest way, or each "
+             "alone through the kd-tree by the traversal of that name",
+     .offset = offsetof(kdr_build_def, trace),
+     .kind = KEY_CHOICE,
+     .choice = {trace_names, 6}},
+    {.name = "nodes",
+     .allowed = "structures or arrays",
+     .text =
+         "structures|arrays, default structures: trace nodes of 8 bytes, or, with trace=stack and restart, an array "
+         "for each of their fields",
+     .offset = offsetof(kdr_build_def, nodes),
+     .kind = KEY_CHOICE,
+     .choice = {nodes_names, 2}},
+    {.name = "mailbox",
+     .allowed = "0, 8, 16, 32 or 64",
+     .text = "0|8|16|32|64, default 0: triangles that a ray remembers having met; not with trace=auto",
+     .offset = offsetof(kdr_build_def, mailbox),
+     .kind = KEY_CHOICE,
+     .choice = {mailbox_names, 5}},
 };
 enum { KEY_COUNT = sizeof keys / sizeof keys[0] };
 
@@ -262,7 +286,7 @@ static const plan_key *find_key(const char *name, size_t length) {
 }
 
 static void complain_of_key(char *problem, size_t size, const char *word, int length) {
-    char names[240] = "";
+    char names[300] = "";
     size_t used = 0;
     for (size_t i = 0; i < KEY_COUNT; i++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%s",

@@ -57,7 +57,7 @@ static void assign_range(void *context, size_t begin, size_t end, uint32_t worke
     const assigning *a = context;
     const kdr_references *from = a->from;
     uint32_t *places = a->places + begin / ASSIGN_GRAIN * a->regions->region_count;
-    kdr_box *boxes = a->boxes + (size_t)worker * a->regions->region_count;
+    kdr_box *boxes = a->to ? a->boxes + (size_t)worker * a->regions->region_count : NULL;
     for (size_t i = begin; i < end; i++) {
         kdr_box box;
         for (int k = 0; k < 3; k++) {
@@ -154,13 +154,14 @@ static uint32_t make_tasks(kdr_build_state *state, const kdr_build_task *root, u
         return 0;
     }
 
-    /* Fewer regions, where they would take more references than there may be. */
-    uint64_t sum;
+    /* Fewer regions, where they would take more than half of the references that splitting may add: the subtrees need
+     * the other half. */
+    uint64_t sum, whole = root->references.count;
     for (;; count = (count + 1) / 2) {
         regions->plane_count = regions->region_count = 0;
         find(context, count, regions);
         sum = count_references(state, &a, counts);
-        if (sum <= root->budget || count == 1)
+        if (2 * (sum - whole) <= root->budget - whole || count == 1)
             break;
     }
     memset(tasks, 0, regions->region_count * sizeof *tasks);
@@ -200,7 +201,7 @@ static bool cut(kdr_build_state *state, bool parallel, const kdr_build_task *tas
                 kdr_build_task children[2]) {
     kdr_opening o;
     uint32_t count = task->references.count, sets[3];
-    if (kdr_must_be_leaf(state, count, task->depth) ||
+    if (count < 2 || task->depth >= state->plan.depth_limit ||
         !kdr_opening_begin(&o, state, &state->shop->workers[0], parallel, task))
         return false;
     o.owned = true;

@@ -61,6 +61,15 @@ KDR_LANES_INLINE kdr_lanes_f kdr_lanes_gather(kdr_lane_bits bits, const float *f
     return _mm512_mask_i32gather_ps(_mm512_setzero_ps(), (__mmask16)bits, (__m512i)at, from, 4);
 }
 
+/* to[at[i]] becomes lane i where its bit is set; of lanes for one place the highest one stays. */
+KDR_LANES_INLINE void kdr_lanes_scatter(kdr_lane_bits bits, uint32_t *to, kdr_lanes_u at, kdr_lanes_u v) {
+    _mm512_mask_i32scatter_epi32(to, (__mmask16)bits, (__m512i)at, (__m512i)v, 4);
+}
+
+KDR_LANES_INLINE kdr_lane_bits kdr_lanes_differ(kdr_lanes_u a, kdr_lanes_u b) {
+    return _mm512_cmpneq_epi32_mask((__m512i)a, (__m512i)b);
+}
+
 /* Lane i is v[order[i] % 16]. */
 KDR_LANES_INLINE kdr_lanes_f kdr_lanes_permute(kdr_lanes_f v, kdr_lanes_u order) {
     return _mm512_permutexvar_ps((__m512i)order, v);

@@ -2,6 +2,8 @@
 #include "base/cpu.h"
 #include "build/plan.h"
 #include "scene/scene.h"
+#include "tree/node_arrays.h"
+#include "tree/node_links.h"
 
 #include <string.h>
 
@@ -11,7 +13,8 @@ static bool same_build(const kdr_plan *a, const kdr_plan *b) {
            a->retract == b->retract && a->empty_bonus == b->empty_bonus && a->box_weight == b->box_weight &&
            a->cost_traversal == b->cost_traversal && a->cost_intersection == b->cost_intersection &&
            a->leaf_limit == b->leaf_limit && a->depth_limit == b->depth_limit &&
-           a->reference_limit == b->reference_limit;
+           a->reference_limit == b->reference_limit && a->trace == b->trace && a->nodes == b->nodes &&
+           a->mailbox == b->mailbox;
 }
 
 /* Numbers the triangles of all geometries; NULL when there is no memory or the total is over the limit. */
@@ -56,6 +59,14 @@ static kdr_status fail_invalid(const kdr_scene *scene, uint64_t invalid) {
     return kdr_device_fail(scene->device, KDR_ERROR_INVALID_DATA, "vertex numbers changed while the commit ran");
 }
 
+/* Makes what the plan's traversal wants beside the nodes. On failure what was made is the tree's. */
+static kdr_status add_annexes(kdr_device *device, const kdr_plan *plan, kdr_tree *tree) {
+    tree->mailbox_size = plan->mailbox == KDR_MAILBOX_NONE ? 0 : 4u << plan->mailbox;
+    bool made = (plan->trace != KDR_TRACE_BACKTRACK || kdr_tree_add_links(tree, &device->bulk)) &&
+                (plan->nodes != KDR_NODES_ARRAYS || kdr_tree_add_arrays(tree, &device->bulk));
+    return made ? KDR_OK : KDR_ERROR_OUT_OF_MEMORY;
+}
+
 kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
     if (!scene)
         return KDR_ERROR_INVALID_ARGUMENT;
@@ -65,7 +76,7 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
     if (problem)
         return kdr_device_fail(device, KDR_ERROR_INVALID_ARGUMENT, "%s", problem);
     kdr_plan plan = kdr_plan_of(&def);
-    plan.wide = device->traversals->wants_wide;
+    plan.wide = device->traversals->wants_wide && plan.trace == KDR_TRACE_AUTO;
     if (scene->committed && !scene->changed && same_build(&plan, &scene->plan))
         return KDR_OK;
 
@@ -79,6 +90,11 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
     kdr_tree tree;
     kdr_input_counts counts;
     status = kdr_build(device->workshop, &device->crew, device->isa, &input, &plan, &tree, &counts);
+    if (status == KDR_OK) {
+        status = add_annexes(device, &plan, &tree);
+        if (status != KDR_OK)
+            kdr_tree_release(&tree, &device->bulk);
+    }
     if (status != KDR_OK) {
         kdr_alloc_release(&device->alloc, first, ((size_t)scene->geometry_count + 1) * sizeof *first);
         if (status == KDR_ERROR_INVALID_DATA)
@@ -100,6 +116,7 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
     kdr_alloc_release(&device->alloc, scene->first, ((size_t)scene->committed_count + 1) * sizeof *first);
     scene->tree = tree;
     scene->customs = customs;
+    scene->lone = kdr_lone_for(device->isa, plan.trace, plan.nodes, plan.mailbox);
     scene->first = first;
     scene->committed_count = scene->geometry_count;
     scene->committed = true;

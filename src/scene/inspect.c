@@ -1,6 +1,7 @@
 /* What a committed scene tells about itself. */
 #include "scene/scene.h"
 #include "tree/verify.h"
+#include "tree/walk.h"
 
 #include <string.h>
 
@@ -42,6 +43,38 @@ kdr_status kdr_scene_stats(const kdr_scene *scene, kdr_tree_stats *out) {
     if (scene->customs)
         add_customs(out, &scene->customs->tree);
     out->build_seconds = scene->build_seconds;
+    return KDR_OK;
+}
+
+typedef struct showing {
+    kdr_cell_fn *visit;
+    void *user;
+    bool is_custom;
+} showing;
+
+static kdr_cell_step show_cell(const kdr_tree *tree, const kdr_walk *at, void *context) {
+    const showing *s = context;
+    kdr_node node = tree->nodes[at->node];
+    kdr_cell cell = {.depth = at->depth, .is_leaf = kdr_node_is_leaf(node), .is_custom = s->is_custom};
+    memcpy(cell.bounds, at->cell.lo, 3 * sizeof *cell.bounds);
+    memcpy(cell.bounds + 3, at->cell.hi, 3 * sizeof *cell.bounds);
+    if (cell.is_leaf) {
+        cell.primitive_count = kdr_node_count(node);
+    } else {
+        cell.axis = kdr_node_axis(node);
+        cell.plane = kdr_node_plane(node);
+    }
+    return s->visit(&cell, s->user);
+}
+
+kdr_status kdr_scene_cells(const kdr_scene *scene, kdr_cell_fn *visit, void *user) {
+    if (!scene || !visit)
+        return KDR_ERROR_INVALID_ARGUMENT;
+    showing s = {visit, user, false};
+    bool whole = kdr_tree_walk_steps(&scene->tree, show_cell, &s);
+    s.is_custom = true;
+    if (whole && scene->customs)
+        kdr_tree_walk_steps(&scene->customs->tree, show_cell, &s);
     return KDR_OK;
 }
 

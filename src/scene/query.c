@@ -37,14 +37,15 @@ static inline bool any(const kdr_scene *scene, bool hit, const kdr_ray *ray) {
     return hit || (has_customs(scene) && kdr_customs_any(scene->customs, ray));
 }
 
-static inline void intersect(const kdr_scene *scene, const kdr_traversals *traversals, kdr_ray_hit *ray_hit) {
+static inline void intersect(const kdr_scene *scene, kdr_ray_hit *ray_hit) {
     kdr_found found;
-    bool hit = traversals->single_closest(&scene->tree, &ray_hit->ray, &found);
+    bool hit = scene->lone.closest(&scene->tree, &ray_hit->ray, &found);
     answer(scene, hit, &found, ray_hit);
 }
 
-/* True if the rays, one every `stride` bytes, are to go together: as the caller says, or if most of eight of them point
- * into one octant. Rays that point everywhere share too few nodes to pay for their lists. */
+/* True if the rays, one every `stride` bytes, are to go together: never by a traversal by name, else as the caller
+ * says, or if most of eight of them point into one octant. Rays that point everywhere share too few nodes to pay for
+ * their lists. */
 static bool go_together(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, size_t stride,
                         size_t count) {
     kdr_coherence coherence = def ? def->coherence : KDR_COHERENCE_UNKNOWN;
@@ -61,12 +62,10 @@ static bool go_together(const kdr_scene *scene, const kdr_trace_def *def, const 
     return coherence == KDR_COHERENCE_COHERENT || alike >= 6;
 }
 
-void kdr_intersect1(const kdr_scene *scene, kdr_ray_hit *ray_hit) {
-    intersect(scene, scene->device->traversals, ray_hit);
-}
+void kdr_intersect1(const kdr_scene *scene, kdr_ray_hit *ray_hit) { intersect(scene, ray_hit); }
 
 bool kdr_occluded1(const kdr_scene *scene, const kdr_ray *ray) {
-    return any(scene, scene->device->traversals->single_any(&scene->tree, ray), ray);
+    return any(scene, scene->lone.any(&scene->tree, ray), ray);
 }
 
 void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_hit *ray_hits, size_t count) {
@@ -76,7 +75,7 @@ void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_h
         uint32_t rays = count - begin < KDR_STREAM_RAYS ? (uint32_t)(count - begin) : KDR_STREAM_RAYS;
         if (!go_together(scene, def, &part->ray, sizeof *part, rays)) {
             for (uint32_t i = 0; i < rays; i++)
-                intersect(scene, traversals, &part[i]);
+                intersect(scene, &part[i]);
             continue;
         }
         kdr_found found[KDR_STREAM_RAYS];
@@ -99,6 +98,6 @@ void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_
             continue;
         }
         for (uint32_t i = 0; i < together; i++)
-            occluded[begin + i] = any(scene, traversals->single_any(&scene->tree, &part[i]), &part[i]);
+            occluded[begin + i] = any(scene, scene->lone.any(&scene->tree, &part[i]), &part[i]);
     }
 }

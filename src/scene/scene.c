@@ -14,7 +14,9 @@ kdr_status kdr_scene_create(kdr_device *device, kdr_scene **out) {
     kdr_scene *scene = kdr_alloc_get(&device->alloc, sizeof *scene, 64);
     if (!scene)
         return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for a scene");
-    *scene = (kdr_scene){.device = device, .changed = true};
+    *scene = (kdr_scene){.device = device,
+                         .changed = true,
+                         .lone = kdr_lone_for(device->isa, KDR_TRACE_AUTO, KDR_NODES_STRUCTURES, KDR_MAILBOX_NONE)};
     if (!kdr_tree_init_empty(&scene->tree, &device->bulk)) {
         kdr_alloc_release(&device->alloc, scene, sizeof *scene);
         return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for a scene");

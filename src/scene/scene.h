@@ -17,6 +17,7 @@ struct kdr_scene {
     /* Of the last commit; queries read nothing else. */
     kdr_tree tree;            /* of the triangles */
     kdr_customs *customs;     /* NULL: there are no custom primitives */
+    kdr_lone lone;            /* how a lone ray is asked, by the plan */
     uint32_t *first;          /* first[g]: number of geometry g's first triangle; committed_count + 1 entries */
     uint32_t committed_count; /* geometries */
     bool committed;

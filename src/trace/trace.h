@@ -36,8 +36,24 @@ typedef struct kdr_traversals {
     void (*stream_any)(const kdr_tree *tree, const kdr_ray *rays, size_t stride, uint32_t count, uint8_t *occluded);
 } kdr_traversals;
 
-/* The table for an instruction set that this machine has. */
+/* A lone ray from the root, closest hit and any hit; as stack_closest and stack_any. */
+typedef struct kdr_lone {
+    bool (*closest)(const kdr_tree *tree, const kdr_ray *ray, kdr_found *found);
+    bool (*any)(const kdr_tree *tree, const kdr_ray *ray);
+} kdr_lone;
+
+/* Traversals of the kd-tree by name: [trace rule][nodes rule][0: no mailbox, 1: of the tree's mailbox_size]. NULL where
+ * there is none. The tree has the annexes that they want: arrays, and links for backtrack. */
+typedef struct kdr_named_traversals {
+    kdr_lone of[KDR_TRACE_BACKTRACK + 1][2][2];
+} kdr_named_traversals;
+
+/* The tables for an instruction set that this machine has. */
 const kdr_traversals *kdr_traversals_for(kdr_isa isa);
+const kdr_named_traversals *kdr_named_traversals_for(kdr_isa isa);
+
+/* How a plan asks a lone ray. The rules go together, as kdr_scene_commit checks. */
+kdr_lone kdr_lone_for(kdr_isa isa, kdr_trace_rule trace, kdr_nodes_rule nodes, kdr_mailbox_rule mailbox);
 
 static inline kdr_entry kdr_entry_root(const kdr_tree *tree) { return (kdr_entry){0, tree->bounds}; }
 

@@ -13,6 +13,7 @@
 #include "geometry/ray_frame.h"
 #include "geometry/triangle.h"
 #include "tree/block.h"
+#include "tree/mailbox_lanes.h"
 
 /* The closest hit so far. Before the first, `least` and `t` are the ray's tmax and primitive is UINT32_MAX. */
 typedef struct kdr_closest {
@@ -176,12 +177,17 @@ static __attribute__((noinline, unused)) void kdr_closest_decide(kdr_closest *cl
     }
 }
 
-/* Makes *closest the closest of itself and the block's hits beyond tmin; of equal distances the lowest primitive. */
-KDR_LANES_INLINE void kdr_block_closest(kdr_block block, const kdr_ray_frame *f, float tmin, kdr_closest *closest) {
+/* Makes *closest the closest of itself and the block's hits beyond tmin; of equal distances the lowest primitive.
+ * mailbox may be NULL. */
+KDR_LANES_INLINE void kdr_block_closest_new(kdr_block block, const kdr_ray_frame *f, float tmin, kdr_mailbox *mailbox,
+                                            kdr_closest *closest) {
     kdr_block_rows rows = kdr_block_rows_of(block, f);
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
+        kdr_lane_bits untested = kdr_mailbox_new(mailbox, block, first);
+        if (untested == 0)
+            continue;
         kdr_block_edges e;
-        kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e);
+        kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e) & untested;
         if (__builtin_expect(left == 0, 1))
             continue;
         kdr_block_span span = kdr_block_span_of(&e, f);
@@ -199,12 +205,21 @@ KDR_LANES_INLINE void kdr_block_closest(kdr_block block, const kdr_ray_frame *f,
     }
 }
 
-/* True if the block has a hit in (tmin, tmax]. Where the filter is sure of one, nothing else is asked. */
-KDR_LANES_INLINE bool kdr_block_any(kdr_block block, const kdr_ray_frame *f, float tmin, float tmax) {
+KDR_LANES_INLINE void kdr_block_closest(kdr_block block, const kdr_ray_frame *f, float tmin, kdr_closest *closest) {
+    kdr_block_closest_new(block, f, tmin, NULL, closest);
+}
+
+/* True if the block has a hit in (tmin, tmax]. Where the filter is sure of one, nothing else is asked. mailbox may be
+ * NULL; a triangle that it holds has been missed. */
+KDR_LANES_INLINE bool kdr_block_any_new(kdr_block block, const kdr_ray_frame *f, float tmin, float tmax,
+                                        kdr_mailbox *mailbox) {
     kdr_block_rows rows = kdr_block_rows_of(block, f);
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
+        kdr_lane_bits untested = kdr_mailbox_new(mailbox, block, first);
+        if (untested == 0)
+            continue;
         kdr_block_edges e;
-        kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e);
+        kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e) & untested;
         if (__builtin_expect(left == 0, 1))
             continue;
         kdr_block_span span = kdr_block_span_of(&e, f);
@@ -221,6 +236,10 @@ KDR_LANES_INLINE bool kdr_block_any(kdr_block block, const kdr_ray_frame *f, flo
         }
     }
     return false;
+}
+
+KDR_LANES_INLINE bool kdr_block_any(kdr_block block, const kdr_ray_frame *f, float tmin, float tmax) {
+    return kdr_block_any_new(block, f, tmin, tmax, NULL);
 }
 
 #endif

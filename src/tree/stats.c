@@ -37,7 +37,7 @@ void kdr_tree_count(const kdr_tree *tree, kdr_tree_stats *out) {
     *out = (kdr_tree_stats){.triangle_count = tree->primitive_count,
                             .dropped_count = tree->dropped_count,
                             .degenerate_count = tree->degenerate_count,
-                            .node_bytes = tree->node_bytes + tree->wide_bytes,
+                            .node_bytes = tree->node_bytes + tree->wide_bytes + tree->arrays.bytes + tree->links.bytes,
                             .leaf_bytes = tree->block_bytes};
     counting c = {.stats = out};
     kdr_tree_walk(tree, count_node, &c);

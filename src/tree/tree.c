@@ -36,5 +36,7 @@ void kdr_tree_release(kdr_tree *tree, kdr_bulk *bulk) {
     kdr_bulk_put(bulk, tree->nodes, tree->node_bytes);
     kdr_bulk_put(bulk, tree->blocks, tree->block_bytes);
     kdr_bulk_put(bulk, tree->wide, tree->wide_bytes);
+    kdr_bulk_put(bulk, tree->arrays.plane, tree->arrays.bytes);
+    kdr_bulk_put(bulk, tree->links.box, tree->links.bytes);
     *tree = (kdr_tree){.bounds = kdr_box_empty()};
 }

@@ -6,6 +6,23 @@
 #include "geometry/box.h"
 #include "tree/block.h"
 
+#define KDR_MAILBOX_LARGEST 64
+
+/* Annexes: the nodes again in another form, made from the finished tree for a traversal that wants them. One block of
+ * memory each, with `bytes` of it. */
+typedef struct kdr_node_arrays {
+    float *plane;
+    uint32_t *link, *count;
+    uint8_t *kind;
+    size_t bytes;
+} kdr_node_arrays;
+
+typedef struct kdr_node_links {
+    kdr_box *box;
+    uint32_t *parent;
+    size_t bytes;
+} kdr_node_links;
+
 typedef struct kdr_tree {
     kdr_node *nodes;     /* node 0 is the root; canonical order: depth first, left before right */
     uint32_t node_count; /* with the unused node 1 */
@@ -20,6 +37,9 @@ typedef struct kdr_tree {
     bool clipped; /* triangles were cut at planes: leaves hold those that meet their cell, not all whose box does */
     struct kdr_wide_node *wide; /* see wide.h; NULL: not asked for, or the root is a leaf */
     float reach[4];             /* largest coordinate on each axis, and 0; set with `wide` */
+    kdr_node_arrays arrays;     /* see node_arrays.h; not asked for: NULL */
+    kdr_node_links links;       /* see node_links.h; not asked for: NULL */
+    uint32_t mailbox_size;      /* of each ray; 0, or a power of two up to KDR_MAILBOX_LARGEST */
     size_t node_bytes, block_bytes, wide_bytes;
 } kdr_tree;
 

@@ -9,10 +9,15 @@ typedef struct kdr_walk {
     kdr_box cell;
 } kdr_walk;
 
-/* False stops the walk. */
-typedef bool kdr_walk_fn(const kdr_tree *tree, const kdr_walk *at, void *context);
+/* Says how the walk goes on. A walk that goes past a node leaves out all that is below it. */
+typedef kdr_cell_step kdr_walk_step_fn(const kdr_tree *tree, const kdr_walk *at, void *context);
 
 /* True if the walk ended by itself. */
+bool kdr_tree_walk_steps(const kdr_tree *tree, kdr_walk_step_fn *visit, void *context);
+
+/* The same for a walk to every node. False stops it. */
+typedef bool kdr_walk_fn(const kdr_tree *tree, const kdr_walk *at, void *context);
+
 bool kdr_tree_walk(const kdr_tree *tree, kdr_walk_fn *visit, void *context);
 
 #endif

@@ -52,13 +52,23 @@ static void write_text(void (*write)(FILE *out)) {
     fclose(out);
 }
 
+static kdr_bench_run_info make_info(void) {
+    kdr_build_def build = kdr_default_build_def();
+    build.split = KDR_SPLIT_OBJECT;
+    build.leaf_limit = 9;
+    return (kdr_bench_run_info){
+        .width = 640, .height = 480, .rounds = 3, .threads = 2, .isa = KDR_ISA_AVX2, .build = build};
+}
+
 static void write_csv(FILE *out) {
-    kdr_bench_run_info info = {
-        .width = 640, .height = 480, .rounds = 3, .threads = 2, .isa = KDR_ISA_AVX2, .build = kdr_default_build_def()};
+    kdr_bench_run_info info = make_info();
     kdr_bench_write_csv(out, &info, rows, ROWS);
 }
 
-static void write_json(FILE *out) { kdr_bench_write_json(out, rows, ROWS); }
+static void write_json(FILE *out) {
+    kdr_bench_run_info info = make_info();
+    kdr_bench_write_json(out, &info, rows, ROWS);
+}
 
 /* The JSON without its ends of lines and indentation. */
 static void write_plain_json(void) {
@@ -125,17 +135,40 @@ static void json_is_one_list_with_an_object_a_row(void **state) {
     for (const char *at = text; (at = strstr(at, "{\"scene\": ")); at++)
         objects++;
     assert_int_equal(objects, ROWS);
-    assert_non_null(strstr(text, "\"tracer\": \"embree/medium/packet\",\"threads\": 2,\"triangles\": 69451,"
-                                 "\"build_ms\": 10,\"build_cold_ms\": 14.5,\"primary\": 50,\"shadow\": 100,"
-                                 "\"ao\": 50,\"diffuse\": 12.5,\"image_ms\": 45,\"bytes_per_triangle\": 66.875,"
-                                 "\"hits\": 1000,\"occluded\": 399,\"ao_occluded\": 2000,\"diffuse_hits\": 2003}"));
+    assert_non_null(strstr(text,
+                           "\"tracer\": \"embree/medium/packet\",\"plan\": null,\"threads\": 2,\"triangles\": 69451,"
+                           "\"build_ms\": 10,\"build_cold_ms\": 14.5,\"primary\": 50,\"shadow\": 100,"
+                           "\"ao\": 50,\"diffuse\": 12.5,\"image_ms\": 45,\"bytes_per_triangle\": 66.875,"
+                           "\"hits\": 1000,\"occluded\": 399,\"ao_occluded\": 2000,\"diffuse_hits\": 2003}"));
+}
+
+static void the_plan_is_in_the_csv_and_in_every_row_of_kdray_in_json(void **state) {
+    (void)state;
+    kdr_bench_run_info info = make_info();
+    char plan[KDR_PLAN_TEXT_SIZE], expected[KDR_PLAN_TEXT_SIZE + 64];
+    assert_int_equal(kdr_build_def_print(&info.build, plan, sizeof plan), KDR_OK);
+    assert_non_null(strstr(plan, "split=object "));
+    write_text(write_csv);
+    snprintf(expected, sizeof expected, "\n# plan: %s\n", plan);
+    assert_non_null(strstr(text, expected));
+
+    write_plain_json();
+    snprintf(expected, sizeof expected, "\"tracer\": \"kdray/stream\",\"plan\": \"%s\",", plan);
+    const char *first = strstr(text, expected);
+    assert_non_null(first);
+    assert_non_null(strstr(first + 1, expected));
+    size_t plans = 0;
+    for (const char *at = text; (at = strstr(at, "\"plan\": ")); at++)
+        plans++;
+    assert_int_equal(plans, ROWS);
 }
 
 static void no_rows_are_an_empty_list(void **state) {
     (void)state;
     FILE *out = fmemopen(text, sizeof text, "w");
     assert_non_null(out);
-    kdr_bench_write_json(out, rows, 0);
+    kdr_bench_run_info info = make_info();
+    kdr_bench_write_json(out, &info, rows, 0);
     fclose(out);
     assert_string_equal(text, "[]\n");
 }
@@ -186,6 +219,7 @@ int main(void) {
         cmocka_unit_test(a_kind_without_rays_has_no_speed_in_csv_and_null_in_json),
         cmocka_unit_test(names_with_quotes_and_commas_stay_one_field),
         cmocka_unit_test(json_is_one_list_with_an_object_a_row),
+        cmocka_unit_test(the_plan_is_in_the_csv_and_in_every_row_of_kdray_in_json),
         cmocka_unit_test(no_rows_are_an_empty_list),
         cmocka_unit_test(the_table_compares_with_embree_medium_packets),
         cmocka_unit_test(counts_that_differ_from_the_first_row_are_printed),

@@ -14,12 +14,13 @@
 #include <cmocka.h>
 
 #define ROUNDS TEST_SIZE(20000)
+#define TRACED " trace=auto nodes=structures mailbox=0"
 
 /* What stands between the axis and the costs where nothing is said of it. */
 #define BETWEEN "order=dfs share=none events=2 straddle=general retract=no box-weight=0 empty-bonus=1 "
 #define USUAL                                                                                                          \
     "split=binned axis=best " BETWEEN                                                                                  \
-    "traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 reference-limit=4"
+    "traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 reference-limit=4" TRACED
 
 static kdr_build_def parsed(const char *text) {
     kdr_build_def def;
@@ -50,6 +51,7 @@ static void assert_same_def(const kdr_build_def *a, const kdr_build_def *b) {
     assert_true(a->order == b->order && a->share == b->share && a->share_count == b->share_count);
     assert_true(a->events == b->events && a->straddle == b->straddle && a->retract == b->retract);
     assert_true(a->empty_bonus == b->empty_bonus);
+    assert_true(a->trace == b->trace && a->nodes == b->nodes && a->mailbox == b->mailbox);
 }
 
 static void no_words_are_the_default_plan(void **state) {
@@ -66,11 +68,15 @@ static void keys_are_read_in_any_order_and_what_is_left_out_has_its_default(void
     assert_reads_as("  reference-limit=2.5  split=binned\taxis=robin ",
                     "split=binned axis=robin " BETWEEN
                     "traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 "
-                    "reference-limit=2.5");
+                    "reference-limit=2.5" TRACED);
     assert_reads_as("depth-limit=60 leaf-limit=4294967295 intersection-cost=1e-3 traversal-cost=1e6",
                     "split=binned axis=best " BETWEEN
                     "traversal-cost=1e+06 intersection-cost=0.001 leaf-limit=4294967295 "
-                    "depth-limit=60 reference-limit=4");
+                    "depth-limit=60 reference-limit=4" TRACED);
+    assert_reads_as("mailbox=16 nodes=arrays trace=restart",
+                    "split=binned axis=best " BETWEEN
+                    "traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 "
+                    "reference-limit=4 trace=restart nodes=arrays mailbox=16");
 }
 
 static void the_sweep_has_a_bonus_and_best_quality_is_a_sweep_with_all_its_arts(void **state) {
@@ -78,10 +84,10 @@ static void the_sweep_has_a_bonus_and_best_quality_is_a_sweep_with_all_its_arts(
     assert_reads_as("split=sweep events=3 straddle=clip order=bfs",
                     "split=sweep axis=best order=bfs share=none events=3 straddle=clip retract=no box-weight=0 "
                     "empty-bonus=0.8 traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 "
-                    "reference-limit=4");
+                    "reference-limit=4" TRACED);
     static const char best[] = "split=sweep axis=best order=dfs share=none events=2 straddle=clip retract=yes "
                                "box-weight=0.9 empty-bonus=1 traversal-cost=16 intersection-cost=1 leaf-limit=32 "
-                               "depth-limit=0 reference-limit=4";
+                               "depth-limit=0 reference-limit=4" TRACED;
     assert_reads_as("quality=best", best);
     assert_reads_as("quality=fast", USUAL);
     kdr_build_def def = kdr_quality_build_def(KDR_QUALITY_BEST);
@@ -140,7 +146,7 @@ static void medians_have_defaults_of_their_own(void **state) {
         snprintf(text, sizeof text, "split=%s", splits[i]);
         snprintf(expected, sizeof expected,
                  "split=%s axis=longest " BETWEEN "traversal-cost=16 intersection-cost=1 leaf-limit=8 depth-limit=0 "
-                 "reference-limit=4",
+                 "reference-limit=4" TRACED,
                  splits[i]);
         assert_reads_as(text, expected);
     }
@@ -150,7 +156,8 @@ static void wrong_words_are_refused_with_a_sentence_that_names_them(void **state
     (void)state;
     static const char any_key[] = "expected KEY=VALUE with one of the keys quality, split, axis, order, share, events, "
                                   "straddle, retract, box-weight, empty-bonus, traversal-cost, intersection-cost, "
-                                  "leaf-limit, depth-limit or reference-limit, found ";
+                                  "leaf-limit, depth-limit, reference-limit, trace, nodes or mailbox, found ";
+    static const char traces[] = "auto, stack, restart, push-down, short-stack or backtrack";
     static const char shares[] = "none, serial/N, line/N, grid/N or cluster/N with N from 1 to 1024";
     static const char real[] = "a number above 0 and at most 1e+06", whole[] = "a whole number from 1 to 4294967295";
     static const struct {
@@ -161,13 +168,21 @@ static void wrong_words_are_refused_with_a_sentence_that_names_them(void **state
         {"split=Binned", "split", "binned, space, object or sweep", "Binned"},
         {"split=binned=", "split", "binned, space, object or sweep", "binned="},
         {"order=xyz", "order", "dfs or bfs", "xyz"},
-        {"share=line", "share", shares, "line"},
         {"share=none/3", "share", shares, "none/3"},
         {"share=line/0", "share", shares, "line/0"},
         {"share=line/1025", "share", shares, "line/1025"},
         {"share=grid/", "share", shares, "grid/"},
         {"share=/4", "share", shares, "/4"},
         {"share=cluster/x", "share", shares, "cluster/x"},
+        {"share=line/", "share", shares, "line/"},
+        {"share=line", "share", shares, "line"},
+        {"share=line/2/2", "share", shares, "line/2/2"},
+        {"share=line/-2", "share", shares, "line/-2"},
+        {"share=none/0", "share", shares, "none/0"},
+        {"share=", "share", shares, ""},
+        {"order=", "order", "dfs or bfs", ""},
+        {"retract=1", "retract", "no or yes", "1"},
+        {"empty-bonus=1.01", "empty-bonus", "a number above 0 and at most 1", "1.01"},
         {"events=4", "events", "2 or 3", "4"},
         {"events=", "events", "2 or 3", ""},
         {"retract=maybe", "retract", "no or yes", "maybe"},
@@ -195,6 +210,13 @@ static void wrong_words_are_refused_with_a_sentence_that_names_them(void **state
         {"leaf-limit=", "leaf-limit", whole, ""},
         {"depth-limit=61", "depth-limit", "a whole number from 0 to 60", "61"},
         {"reference-limit=0.99", "reference-limit", "a number from 1 to 1e+06", "0.99"},
+        {"trace=best", "trace", traces, "best"},
+        {"trace=", "trace", traces, ""},
+        {"trace=push", "trace", traces, "push"},
+        {"nodes=array", "nodes", "structures or arrays", "array"},
+        {"mailbox=4", "mailbox", "0, 8, 16, 32 or 64", "4"},
+        {"mailbox=128", "mailbox", "0, 8, 16, 32 or 64", "128"},
+        {"mailbox=08", "mailbox", "0, 8, 16, 32 or 64", "08"},
         {"split=space depth-limit=x", "depth-limit", "a whole number from 0 to 60", "x"},
         {"splt=binned", NULL, any_key, "splt=binned"},
         {"split", NULL, any_key, "split"},
@@ -221,7 +243,8 @@ static void wrong_words_are_refused_with_a_sentence_that_names_them(void **state
 static const char *a_value_of(const char *key) {
     static const char *const values[][2] = {
         {"quality", "best"}, {"split", "space"},      {"axis", "robin"},  {"order", "bfs"},    {"share", "line/9"},
-        {"events", "2"},     {"straddle", "general"}, {"retract", "yes"}, {"box-weight", "0"}, {"empty-bonus", "1"}};
+        {"events", "2"},     {"straddle", "general"}, {"retract", "yes"}, {"box-weight", "0"}, {"empty-bonus", "1"},
+        {"trace", "stack"},  {"nodes", "structures"}, {"mailbox", "8"}};
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++)
         if (strcmp(key, values[i][0]) == 0)
             return values[i][1];
@@ -239,6 +262,28 @@ static void a_key_given_twice_is_refused(void **state) {
         assert_int_equal(kdr_build_def_parse(text, &def, problem, sizeof problem), KDR_ERROR_INVALID_ARGUMENT);
         assert_string_equal(problem, expected);
     }
+}
+
+static void values_that_do_not_go_together_are_refused(void **state) {
+    (void)state;
+    static const char arrays[] = "nodes=arrays goes with trace=stack or trace=restart";
+    static const char mailbox[] = "a mailbox goes with a traversal by name, not with trace=auto";
+    static const char *const wrong[][2] = {
+        {"nodes=arrays", arrays},
+        {"trace=push-down nodes=arrays", arrays},
+        {"nodes=arrays trace=short-stack", arrays},
+        {"trace=backtrack mailbox=8 nodes=arrays", arrays},
+        {"mailbox=8", mailbox},
+        {"trace=auto mailbox=64", mailbox},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        char problem[200] = "";
+        kdr_build_def def = {.size = 7}, before = def;
+        assert_int_equal(kdr_build_def_parse(wrong[i][0], &def, problem, sizeof problem), KDR_ERROR_INVALID_ARGUMENT);
+        assert_string_equal(problem, wrong[i][1]);
+        assert_same_def(&def, &before);
+    }
+    assert_reads_as("nodes=structures mailbox=0 trace=auto", USUAL);
 }
 
 static void a_sentence_is_cut_to_the_room_there_is(void **state) {
@@ -298,6 +343,11 @@ static void what_is_printed_is_read_back_to_the_bit(void **state) {
         def.reference_limit = any_between(&random, 1, 1e6f);
         def.leaf_limit = 1 + (test_random_u32(&random) >> test_random_below(&random, 32)) / 2;
         def.depth_limit = test_random_below(&random, KDR_MAX_DEPTH + 1);
+        def.trace = (kdr_trace_rule)test_random_below(&random, KDR_TRACE_BACKTRACK + 1);
+        if (def.trace != KDR_TRACE_AUTO)
+            def.mailbox = (kdr_mailbox_rule)test_random_below(&random, KDR_MAILBOX_64 + 1);
+        if (def.trace == KDR_TRACE_STACK || def.trace == KDR_TRACE_RESTART)
+            def.nodes = (kdr_nodes_rule)test_random_below(&random, 2);
         kdr_build_def back = parsed(printed(&def));
         assert_same_def(&back, &def);
     }
@@ -315,6 +365,8 @@ static void the_longest_plan_fits(void **state) {
     def.leaf_limit = UINT32_MAX;
     def.depth_limit = KDR_MAX_DEPTH;
     def.reference_limit = 123456.789f;
+    def.trace = KDR_TRACE_SHORT_STACK;
+    def.mailbox = KDR_MAILBOX_64;
     assert_true(strlen(printed(&def)) < KDR_PLAN_TEXT_SIZE - 16);
 }
 
@@ -330,7 +382,7 @@ static void every_key_is_explained_and_printed(void **state) {
         assert_true(strlen(kdr_build_def_key_text(count)) > 20);
         assert_non_null(strstr(kdr_build_def_key_text(count), "default "));
     }
-    assert_int_equal(count, 15);
+    assert_int_equal(count, 18);
     assert_null(kdr_build_def_key_text(count));
     assert_null(kdr_build_def_key_name(SIZE_MAX));
 }
@@ -351,12 +403,19 @@ static void a_commit_refuses_rules_that_there_are_not(void **state) {
     kdr_device *device;
     assert_int_equal(kdr_device_create(NULL, &device), KDR_OK);
     kdr_scene *scene = committed_scene(device, NULL, 0, NULL);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 16; i++) {
         kdr_build_def def = kdr_default_build_def();
-        if (i % 2 == 0)
-            def.split = (kdr_split_rule)(i == 0 ? 4 : -1);
-        else
-            def.axis = (kdr_axis_rule)(i == 1 ? 4 : -1);
+        def.trace = KDR_TRACE_STACK;
+        switch (i % 8) {
+        case 0: def.split = (kdr_split_rule)(i == 0 ? 4 : -1); break;
+        case 1: def.axis = (kdr_axis_rule)(i == 1 ? 4 : -1); break;
+        case 2: def.trace = (kdr_trace_rule)(i == 2 ? 6 : -1); break;
+        case 3: def.nodes = (kdr_nodes_rule)(i == 3 ? 2 : -1); break;
+        case 4: def.order = (kdr_order_rule)(i == 4 ? 2 : -1); break;
+        case 5: def.share = (kdr_share_rule)(i == 5 ? 5 : -1), def.share_count = 2; break;
+        case 6: def.share_count = i == 6 ? 1 : KDR_MAX_SHARE_COUNT + 1, def.share = i == 6 ? 0 : KDR_SHARE_LINE; break;
+        default: def.mailbox = (kdr_mailbox_rule)(i == 7 ? 5 : -1);
+        }
         char text[KDR_PLAN_TEXT_SIZE];
         assert_int_equal(kdr_scene_commit(scene, &def), KDR_ERROR_INVALID_ARGUMENT);
         assert_int_equal(kdr_build_def_print(&def, text, sizeof text), KDR_ERROR_INVALID_ARGUMENT);
@@ -408,6 +467,7 @@ int main(void) {
         cmocka_unit_test(pairs_that_cannot_be_are_refused_with_a_sentence),
         cmocka_unit_test(wrong_words_are_refused_with_a_sentence_that_names_them),
         cmocka_unit_test(a_key_given_twice_is_refused),
+        cmocka_unit_test(values_that_do_not_go_together_are_refused),
         cmocka_unit_test(a_sentence_is_cut_to_the_room_there_is),
         cmocka_unit_test(a_plan_is_printed_whole_or_not_at_all),
         cmocka_unit_test(what_is_printed_is_read_back_to_the_bit),

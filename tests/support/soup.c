@@ -186,6 +186,22 @@ static void fill_not_finite(test_random *random, float *triangles, size_t count)
         triangles[9 * i + test_random_below(random, 9)] = bad[i / 3 % 3];
 }
 
+/* Copies of one triangle: no plane separates anything. */
+static void fill_identical(test_random *random, float *triangles, size_t count) {
+    fill_cube(random, triangles, count < 1 ? count : 1, 1);
+    for (size_t i = 1; i < count; i++)
+        memcpy(triangles + 9 * i, triangles, 9 * sizeof(float));
+}
+
+/* A small model in a large stadium: all but a few lie in one of any bins over the scene. */
+static void fill_stadium(test_random *random, float *triangles, size_t count) {
+    fill_cube(random, triangles, count, 0.1f);
+    scale(triangles, count, 0x1p-20f);
+    for (size_t i = 0; i < 3 && i < count; i++)
+        for (int k = 0; k < 9; k++)
+            triangles[9 * i + k] = test_random_between(random, -1, 1) * 100;
+}
+
 const soup_kind soup_kinds[] = {
     {"none", fill_small, 0, false},
     {"one", fill_large, 1, false},
@@ -208,6 +224,8 @@ const soup_kind soup_kinds[] = {
     {"mixed scales", fill_mixed_scales, 300, true},
     {"any bits", fill_any_bits, 200, true},
     {"not finite", fill_not_finite, 300, false},
+    {"identical", fill_identical, 200, true},
+    {"stadium", fill_stadium, 300, false},
 };
 const size_t soup_kind_count = sizeof(soup_kinds) / sizeof(soup_kinds[0]);
 

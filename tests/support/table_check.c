@@ -2,6 +2,8 @@
 
 #include "scene/scene.h"
 #include "support/random.h"
+#include "tree/node_arrays.h"
+#include "tree/node_links.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -52,36 +54,60 @@ static bool same(bool hit, const kdr_found *found, bool expected_hit, const kdr_
     return hit == expected_hit && (!hit || memcmp(found, expected, sizeof *found) == 0);
 }
 
+/* The same for the traversals by name: many, so they are asked of some rays of each kind. */
+static bool named_differ(const kdr_tree *tree, kdr_isa isa, const kdr_ray *ray, bool expected_hit,
+                         const kdr_found *expected) {
+    const kdr_lone *lones = &kdr_named_traversals_for(isa)->of[0][0][0];
+    size_t asked = 0;
+    for (size_t i = 0; i < sizeof(kdr_named_traversals) / sizeof *lones; i++) {
+        if (!lones[i].closest)
+            continue;
+        kdr_found found = {0};
+        if (!same(lones[i].closest(tree, ray, &found), &found, expected_hit, expected) ||
+            lones[i].any(tree, ray) != expected_hit)
+            return true;
+        asked++;
+    }
+    return asked < 14;
+}
+
 /* Answers of a table for one ray, against those of the scalar stack. */
-static bool differs(const kdr_tree *tree, const kdr_traversals *table, const kdr_ray *ray, bool *hit) {
+static bool differs(const kdr_tree *tree, kdr_isa isa, const kdr_ray *ray, bool by_name, bool *hit) {
+    const kdr_traversals *table = kdr_traversals_for(isa);
     const kdr_traversals *scalar = kdr_traversals_for(KDR_ISA_SCALAR);
     kdr_entry root = kdr_entry_root(tree);
     kdr_found expected = {0}, stack = {0}, single = {0};
     *hit = scalar->stack_closest(tree, &root, ray, &expected);
     return !same(table->stack_closest(tree, &root, ray, &stack), &stack, *hit, &expected) ||
            !same(table->single_closest(tree, ray, &single), &single, *hit, &expected) ||
-           table->stack_any(tree, &root, ray) != *hit || table->single_any(tree, ray) != *hit;
+           table->stack_any(tree, &root, ray) != *hit || table->single_any(tree, ray) != *hit ||
+           (by_name && named_differ(tree, isa, ray, *hit, &expected));
 }
 
 static void check_build(kdr_device *device, const kdr_triangles_def *triangles, const kdr_build_def *build,
                         uint32_t rays, uint32_t longest_leaf, table_check *out) {
     test_random random = test_random_start(test_random_seed(), 78);
-    const kdr_traversals *table = kdr_traversals_for(kdr_device_isa(device));
+    kdr_isa isa = kdr_device_isa(device);
+    bool wants_wide = kdr_traversals_for(isa)->wants_wide;
     kdr_scene *scene = NULL;
     kdr_tree_stats stats = {0};
     bool made = kdr_scene_create(device, &scene) == KDR_OK &&
                 kdr_scene_add_triangles(scene, triangles, NULL) == KDR_OK && kdr_scene_commit(scene, build) == KDR_OK &&
                 kdr_scene_stats(scene, &stats) == KDR_OK;
     out->builds++;
-    if (!made || (scene->tree.wide != NULL) != table->wants_wide || stats.largest_leaf < longest_leaf) {
+
+    /* One tree for all: with the annexes of every traversal by name. */
+    made = made && kdr_tree_add_arrays(&scene->tree, &device->bulk) && kdr_tree_add_links(&scene->tree, &device->bulk);
+    if (!made || (scene->tree.wide != NULL) != wants_wide || stats.largest_leaf < longest_leaf) {
         out->unsound++;
         kdr_scene_destroy(scene);
         return;
     }
+    scene->tree.mailbox_size = 16;
     for (uint32_t i = 0; i < rays; i++) {
         kdr_ray ray = random_ray(&random, i);
         bool hit;
-        out->differences += differs(&scene->tree, table, &ray, &hit);
+        out->differences += differs(&scene->tree, isa, &ray, i % 13 == 0, &hit);
         out->hits += hit;
         out->rays++;
     }

@@ -31,6 +31,10 @@ _kdray() {
         mapfile -t COMPREPLY < <(compgen -f -- "$word")
         return
         ;;
+    --slice)
+        mapfile -t COMPREPLY < <(compgen -W 'x=50% y=50% z=50%' -- "$word")
+        return
+        ;;
     -r | --resolution | -t | --threads | --spp | --seed | --camera | --target | --up | --fov | --light | --threshold | \
         --rounds | --plan | --traversal-cost | --intersection-cost | --leaf-limit | --depth-limit | --reference-limit)
         return
@@ -44,7 +48,7 @@ _kdray() {
             options="--output --resolution --spp --seed --view --camera --target --up --fov --light --box --texture
                 --compare --threshold --stats $build"
             ;;
-        info) options="--scenes --plans $build" ;;
+        info) options="--scenes --plans --slice --output $build" ;;
         bench) options="--resolution --rounds --only --csv $build" ;;
         esac
         mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
