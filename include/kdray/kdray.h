@@ -475,6 +475,44 @@ KDR_API void kdr_intersect1(const kdr_scene *scene, kdr_ray_hit *ray_hit);
 /* True if there is any hit as defined above. */
 KDR_API bool kdr_occluded1(const kdr_scene *scene, const kdr_ray *ray);
 
+/* Packets of 4, 8 and 16 rays in structure-of-arrays form: ray i has element i of every array. Fields, their order and
+ * what each means are those of kdr_ray and kdr_hit; the layout is that of Embree's RTCRay4 to RTCRayHit16. No alignment
+ * beyond that of a float is required. */
+#define KDR_PACKET_TYPES(N)                                                                                            \
+    typedef struct kdr_ray##N {                                                                                        \
+        float origin_x[N], origin_y[N], origin_z[N], tmin[N];                                                          \
+        float direction_x[N], direction_y[N], direction_z[N], time[N];                                                 \
+        float tmax[N];                                                                                                 \
+        uint32_t mask[N], id[N], flags[N];                                                                             \
+    } kdr_ray##N;                                                                                                      \
+    typedef struct kdr_hit##N {                                                                                        \
+        float normal_x[N], normal_y[N], normal_z[N], u[N], v[N];                                                       \
+        uint32_t primitive[N], geometry[N], instance[N];                                                               \
+    } kdr_hit##N;                                                                                                      \
+    typedef struct kdr_ray_hit##N {                                                                                    \
+        kdr_ray##N ray;                                                                                                \
+        kdr_hit##N hit;                                                                                                \
+    } kdr_ray_hit##N
+
+KDR_PACKET_TYPES(4);
+KDR_PACKET_TYPES(8);
+KDR_PACKET_TYPES(16);
+#undef KDR_PACKET_TYPES
+
+/* The same for packets: each active ray is answered as by kdr_intersect1, to the bit, and what belongs to the others is
+ * not changed, whatever it is. valid: one number a ray, 0 where it is not active, any other (Embree has -1) where it
+ * is; NULL: all are active. Fastest for rays that start and point alike, right for any. Every width works on every
+ * machine, with up to 64 KiB of the calling thread's stack. scene and ray_hits must not be NULL. Never allocates, locks
+ * or fails. Thread safe. */
+KDR_API void kdr_intersect4(const kdr_scene *scene, const int32_t *valid, kdr_ray_hit4 *ray_hits);
+KDR_API void kdr_intersect8(const kdr_scene *scene, const int32_t *valid, kdr_ray_hit8 *ray_hits);
+KDR_API void kdr_intersect16(const kdr_scene *scene, const int32_t *valid, kdr_ray_hit16 *ray_hits);
+
+/* tmax of active rays that hit anything becomes -infinity, as with Embree; nothing else is changed. */
+KDR_API void kdr_occluded4(const kdr_scene *scene, const int32_t *valid, kdr_ray4 *rays);
+KDR_API void kdr_occluded8(const kdr_scene *scene, const int32_t *valid, kdr_ray8 *rays);
+KDR_API void kdr_occluded16(const kdr_scene *scene, const int32_t *valid, kdr_ray16 *rays);
+
 typedef enum kdr_coherence { KDR_COHERENCE_UNKNOWN, KDR_COHERENCE_COHERENT, KDR_COHERENCE_INCOHERENT } kdr_coherence;
 
 /* What the caller knows about the rays of one call. It changes speed only, never an answer. */
@@ -486,11 +524,48 @@ typedef struct kdr_trace_def {
 KDR_API kdr_trace_def kdr_default_trace_def(void);
 
 /* The same for `count` rays, each answered as by kdr_intersect1 or kdr_occluded1. def NULL means the defaults.
- * occluded[i] becomes 1 or 0. Runs on the calling thread, with up to 128 KiB of its stack: split the rays over threads
+ * occluded[i] becomes 1 or 0. Runs on the calling thread, with up to 64 KiB of its stack: split the rays over threads
  * with kdr_device_run. */
 KDR_API void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_hit *ray_hits, size_t count);
 KDR_API void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, uint8_t *occluded,
                             size_t count);
+
+/* A point to search about. Field order is that of Embree's RTCPointQuery. */
+typedef struct kdr_point_query {
+    float x, y, z; /* finite, else nothing is found */
+    float time;    /* not read */
+    float radius;  /* largest distance, inclusive; infinity is allowed; below 0 or NaN nothing is found */
+} kdr_point_query;
+
+/* The closest point of a primitive. */
+typedef struct kdr_point_hit {
+    float x, y, z;
+    float distance;     /* from the query's point */
+    float u, v;         /* the point = (1 - u - v) a + u b + v c of triangle a, b, c */
+    uint32_t primitive; /* number of the triangle within its geometry */
+    uint32_t geometry;
+    uint32_t instance; /* KDR_INVALID_ID */
+} kdr_point_hit;
+
+/* Finds the point of the committed triangles that is closest to the query's, no farther than its radius. False, and
+ * *hit left alone, if there is none.
+ *
+ * Distances are compared in double, each from the query's point to the closest point of a triangle as it is computed
+ * there: see docs/geometry.md for how close that is. Of equal distances the lowest geometry wins, then the lowest
+ * primitive. So the answer is that of asking all triangles, whatever the tree and the instruction set. Triangles that
+ * the commit leaves out, those without area among them, are not found.
+ *
+ * scene, query and hit must not be NULL. Never allocates, locks or fails. Thread safe. */
+KDR_API bool kdr_closest_point(const kdr_scene *scene, const kdr_point_query *query, kdr_point_hit *hit);
+
+/* Told of one primitive. False ends the search. It may ask the scene itself. */
+typedef bool kdr_point_fn(const kdr_point_hit *hit, void *user);
+
+/* Calls visit(hit, user) exactly once for every triangle whose closest point, by the same distances, is no farther than
+ * the query's radius; in no particular order, on the calling thread. Returns the number of calls made. None may be NULL
+ * but user. Never allocates, locks or fails. Thread safe. */
+KDR_API size_t kdr_primitives_within(const kdr_scene *scene, const kdr_point_query *query, kdr_point_fn *visit,
+                                     void *user);
 
 #ifdef __cplusplus
 }

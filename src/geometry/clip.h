@@ -9,7 +9,8 @@
 
 #include "geometry/box.h"
 
-#define KDR_CLIP_MARGIN 0x1p-44 /* of the largest coordinate */
+#define KDR_CLIP_MARGIN 0x1p-44 /* of the largest coordinate, and */
+#define KDR_CLIP_BESIDE 0x1p-17 /* of the triangle's longest extent */
 #define KDR_CLIP_CORNERS 10     /* a triangle has three, each of six planes adds at most one */
 
 typedef struct kdr_polygon {
@@ -53,15 +54,20 @@ static inline float kdr_float_above(double x) {
 /* False if the triangle surely does not meet the box. *part lies inside the box and holds all that does. */
 static inline bool kdr_triangle_clip(const float corners[3][3], const kdr_box *box, kdr_box *part) {
     kdr_polygon polygon = {.count = 3};
-    double margin[3];
+    double margin[3], beside = 0;
     for (int k = 0; k < 3; k++) {
-        double largest = fmax(fabs(box->lo[k]), fabs(box->hi[k]));
+        double largest = fmax(fabs(box->lo[k]), fabs(box->hi[k])), lo = corners[0][k], hi = lo;
         for (int i = 0; i < 3; i++) {
-            polygon.corner[i][k] = corners[i][k];
-            largest = fmax(largest, fabs(corners[i][k]));
+            double x = polygon.corner[i][k] = corners[i][k];
+            largest = fmax(largest, fabs(x));
+            lo = fmin(lo, x);
+            hi = fmax(hi, x);
         }
         margin[k] = largest * KDR_CLIP_MARGIN;
+        beside = fmax(beside, (hi - lo) * KDR_CLIP_BESIDE);
     }
+    for (int k = 0; k < 3; k++)
+        margin[k] += beside;
     for (int k = 0; k < 3 && polygon.count > 0; k++) {
         kdr_polygon_cut(&polygon, k, box->lo[k] - margin[k], false);
         kdr_polygon_cut(&polygon, k, box->hi[k] + margin[k], true);

@@ -156,6 +156,32 @@ static inline __attribute__((always_inline)) void kdr_triangle_measure(const flo
         hit->normal[k] = (float)nr[k][0];
 }
 
+/* True if the ray meets the triangle's plane before tmin for sure, so that nothing else need be asked: as for the
+ * surface that a shadow ray starts from. Errors as in kdr_corners_distance. */
+static inline bool kdr_triangle_is_behind(const float o[3], const float d[3], kdr_corners t, float tmin) {
+    double e[3], f[3], s[3];
+    for (size_t k = 0; k < 3; k++) {
+        double a = kdr_corner(t, 0, k);
+        e[k] = kdr_corner(t, 1, k) - a;
+        f[k] = kdr_corner(t, 2, k) - a;
+        s[k] = o[k] - a;
+    }
+    double num = 0, den = 0, size_s = 0, size_d = 0, size_e = 0, size_f = 0;
+    for (int k = 0; k < 3; k++) {
+        int l = (k + 1) % 3, m = (k + 2) % 3;
+        double n = e[l] * f[m] - e[m] * f[l];
+        num -= n * s[k];
+        den += n * d[k];
+        size_e += fabs(e[k]);
+        size_f += fabs(f[k]);
+        size_s += fabs(s[k]);
+        size_d += fabs(d[k]);
+    }
+    double size_n = KDR_TRIANGLE_ERROR * size_e * size_f, doubt_den = size_n * size_d;
+    double before = tmin * den - num, doubt = 2 * (size_n * size_s + fabs(tmin) * doubt_den);
+    return fabs(den) > 2 * doubt_den && (den > 0 ? before : -before) > doubt;
+}
+
 /* True, and *hit filled in, if the line of the ray meets the triangle. All floats finite, direction not zero.
  * Inline, so that each instruction set compiles it for itself: old and new vector instructions do not mix well.
  * The three edge functions are lanes of one vector. Cost: about 50 vector operations when doubles decide. */

@@ -2,6 +2,7 @@
  *
  * The triangles are asked first. Where a scene has custom primitives, `answer` and `any` then ask these too: no other
  * place knows of both trees. */
+#include "geometry/quad.h"
 #include "scene/scene.h"
 
 kdr_trace_def kdr_default_trace_def(void) { return (kdr_trace_def){.size = sizeof(kdr_trace_def)}; }
@@ -44,13 +45,14 @@ static inline void intersect(const kdr_scene *scene, kdr_ray_hit *ray_hit) {
 }
 
 /* True if the rays, one every `stride` bytes, are to go together: never by a traversal by name, else as the caller
- * says, or if most of eight of them point into one octant. Rays that point everywhere share too few nodes to pay for
- * their lists. */
+ * says, or if most of eight of them point into one octant. Rays that point everywhere share too few nodes. */
 static bool go_together(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, size_t stride,
                         size_t count) {
     kdr_coherence coherence = def ? def->coherence : KDR_COHERENCE_UNKNOWN;
     if (count < 16 || !scene->tree.wide || coherence == KDR_COHERENCE_INCOHERENT)
         return false;
+    if (coherence == KDR_COHERENCE_COHERENT)
+        return true;
     uint32_t alike = 0;
     const kdr_ray *middle = (const kdr_ray *)((const char *)rays + count / 2 * stride);
     for (size_t i = 0; i < 8; i++) {
@@ -59,7 +61,69 @@ static bool go_together(const kdr_scene *scene, const kdr_trace_def *def, const 
                  (ray->direction_y < 0) == (middle->direction_y < 0) &&
                  (ray->direction_z < 0) == (middle->direction_z < 0);
     }
-    return coherence == KDR_COHERENCE_COHERENT || alike >= 6;
+    return alike >= 6;
+}
+
+/* Four rows of four numbers become four columns. */
+static inline void turn(const kdr_quad from[4], kdr_quad to[4]) {
+    kdr_quad low01 = __builtin_shufflevector(from[0], from[1], 0, 4, 1, 5);
+    kdr_quad low23 = __builtin_shufflevector(from[2], from[3], 0, 4, 1, 5);
+    kdr_quad high01 = __builtin_shufflevector(from[0], from[1], 2, 6, 3, 7);
+    kdr_quad high23 = __builtin_shufflevector(from[2], from[3], 2, 6, 3, 7);
+    to[0] = __builtin_shufflevector(low01, low23, 0, 1, 4, 5);
+    to[1] = __builtin_shufflevector(low01, low23, 2, 3, 6, 7);
+    to[2] = __builtin_shufflevector(high01, high23, 0, 1, 4, 5);
+    to[3] = __builtin_shufflevector(high01, high23, 2, 3, 6, 7);
+}
+
+/* Up to KDR_PACKET_RAYS rays as a packet, four at a time; those beyond the last repeat it. */
+static void gather(kdr_packet_rays *rays, const kdr_ray *from, size_t stride, uint32_t count) {
+    rays->count = count;
+    rays->valid = UINT64_MAX >> (KDR_PACKET_RAYS - count);
+    /* The next rays are on their way while these are traced. */
+    for (size_t i = 0; i < KDR_PACKET_RAYS * stride; i += 64)
+        __builtin_prefetch((const void *)((uintptr_t)from + count * stride + i), 1);
+
+    for (uint32_t i = 0; i < count || i % 16 != 0; i += 4) {
+        kdr_quad at[4], to[4], columns[4];
+        for (uint32_t k = 0; k < 4; k++) {
+            uint32_t number = i + k < count ? i + k : count - 1;
+            const kdr_ray *ray = (const kdr_ray *)((const char *)from + number * stride);
+            at[k] = kdr_quad_load(&ray->origin_x);
+            to[k] = kdr_quad_load(&ray->direction_x);
+            rays->tmax[i + k] = ray->tmax;
+        }
+        turn(at, columns);
+        for (uint32_t k = 0; k < 3; k++)
+            kdr_quad_store(&rays->origin[k][i], columns[k]);
+        kdr_quad_store(&rays->tmin[i], columns[3]);
+        turn(to, columns);
+        for (uint32_t k = 0; k < 3; k++)
+            kdr_quad_store(&rays->direction[k][i], columns[k]);
+    }
+}
+
+static void intersect_packet(const kdr_scene *scene, kdr_ray_hit *ray_hits, uint32_t count) {
+    kdr_packet_rays rays;
+    kdr_packet_found found;
+    gather(&rays, &ray_hits->ray, sizeof *ray_hits, count);
+    scene->device->traversals->packet_closest(&scene->tree, &rays, &found);
+    for (uint32_t i = 0; i < count; i++) {
+        kdr_found one = {.t = found.t[i],
+                         .u = found.u[i],
+                         .v = found.v[i],
+                         .normal = {found.normal[0][i], found.normal[1][i], found.normal[2][i]},
+                         .primitive = found.primitive[i]};
+        answer(scene, one.primitive != UINT32_MAX, &one, &ray_hits[i]);
+    }
+}
+
+static void occluded_packet(const kdr_scene *scene, const kdr_ray *from, uint32_t count, uint8_t *occluded) {
+    kdr_packet_rays rays;
+    gather(&rays, from, sizeof *from, count);
+    uint64_t found = scene->device->traversals->packet_any(&scene->tree, &rays);
+    for (uint32_t i = 0; i < count; i++)
+        occluded[i] = any(scene, found >> i & 1, &from[i]);
 }
 
 void kdr_intersect1(const kdr_scene *scene, kdr_ray_hit *ray_hit) { intersect(scene, ray_hit); }
@@ -68,33 +132,31 @@ bool kdr_occluded1(const kdr_scene *scene, const kdr_ray *ray) {
     return any(scene, scene->lone.any(&scene->tree, ray), ray);
 }
 
+/* How many rays are left for one call, at most a packet. */
+static uint32_t next_rays(size_t begin, size_t count) {
+    return count - begin < KDR_PACKET_RAYS ? (uint32_t)(count - begin) : KDR_PACKET_RAYS;
+}
+
 void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_hit *ray_hits, size_t count) {
-    const kdr_traversals *traversals = scene->device->traversals;
-    for (size_t begin = 0; begin < count; begin += KDR_STREAM_RAYS) {
+    for (size_t begin = 0; begin < count; begin += KDR_PACKET_RAYS) {
         kdr_ray_hit *part = ray_hits + begin;
-        uint32_t rays = count - begin < KDR_STREAM_RAYS ? (uint32_t)(count - begin) : KDR_STREAM_RAYS;
-        if (!go_together(scene, def, &part->ray, sizeof *part, rays)) {
-            for (uint32_t i = 0; i < rays; i++)
-                intersect(scene, &part[i]);
+        uint32_t rays = next_rays(begin, count);
+        if (go_together(scene, def, &part->ray, sizeof *part, rays)) {
+            intersect_packet(scene, part, rays);
             continue;
         }
-        kdr_found found[KDR_STREAM_RAYS];
-        traversals->stream_closest(&scene->tree, &part->ray, sizeof *part, rays, found);
         for (uint32_t i = 0; i < rays; i++)
-            answer(scene, found[i].primitive != UINT32_MAX, &found[i], &part[i]);
+            intersect(scene, &part[i]);
     }
 }
 
 void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, uint8_t *occluded,
                     size_t count) {
-    const kdr_traversals *traversals = scene->device->traversals;
-    for (size_t begin = 0; begin < count; begin += KDR_STREAM_RAYS) {
+    for (size_t begin = 0; begin < count; begin += KDR_PACKET_RAYS) {
         const kdr_ray *part = rays + begin;
-        uint32_t together = count - begin < KDR_STREAM_RAYS ? (uint32_t)(count - begin) : KDR_STREAM_RAYS;
+        uint32_t together = next_rays(begin, count);
         if (go_together(scene, def, part, sizeof *part, together)) {
-            traversals->stream_any(&scene->tree, part, sizeof *part, together, occluded + begin);
-            for (uint32_t i = 0; has_customs(scene) && i < together; i++)
-                occluded[begin + i] = any(scene, occluded[begin + i], &part[i]);
+            occluded_packet(scene, part, together, occluded + begin);
             continue;
         }
         for (uint32_t i = 0; i < together; i++)

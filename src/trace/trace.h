@@ -3,6 +3,7 @@
 #define KDR_TRACE_TRACE_H
 
 #include "kdray/kdray.h"
+#include "trace/packet.h"
 #include "tree/tree.h"
 
 /* Where a traversal starts. The root's entry is {0, bounds}; a beam may find a deeper one. */
@@ -18,8 +19,6 @@ typedef struct kdr_found {
     uint32_t primitive; /* UINT32_MAX: nothing */
 } kdr_found;
 
-#define KDR_STREAM_RAYS 128
-
 typedef struct kdr_traversals {
     /* True, and *found filled in, if the ray hits something. */
     bool (*stack_closest)(const kdr_tree *tree, const kdr_entry *entry, const kdr_ray *ray, kdr_found *found);
@@ -30,10 +29,9 @@ typedef struct kdr_traversals {
     bool (*single_closest)(const kdr_tree *tree, const kdr_ray *ray, kdr_found *found);
     bool (*single_any)(const kdr_tree *tree, const kdr_ray *ray);
 
-    /* The same for up to KDR_STREAM_RAYS rays that go together, one every `stride` bytes; for trees with wide nodes.
-     * found[i].primitive is UINT32_MAX where there is no hit. */
-    void (*stream_closest)(const kdr_tree *tree, const kdr_ray *rays, size_t stride, uint32_t count, kdr_found *found);
-    void (*stream_any)(const kdr_tree *tree, const kdr_ray *rays, size_t stride, uint32_t count, uint8_t *occluded);
+    /* The same for a packet, on any tree. packet_any gives one bit a ray. */
+    void (*packet_closest)(const kdr_tree *tree, const kdr_packet_rays *rays, kdr_packet_found *found);
+    uint64_t (*packet_any)(const kdr_tree *tree, const kdr_packet_rays *rays);
 } kdr_traversals;
 
 /* A lone ray from the root, closest hit and any hit; as stack_closest and stack_any. */

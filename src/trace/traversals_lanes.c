@@ -1,6 +1,6 @@
-/* The table of traversals: the stack of one ray, the fastest way of one ray, and streams. */
+/* The table of traversals: the stack of one ray, the fastest way of one ray, and packets. */
 #include "trace/lone_lanes.h"
-#include "trace/stream_lanes.h"
+#include "trace/packet_lanes.h"
 #include "trace/wide_lanes.h"
 
 KDR_WALK_IN_DOUBLE(stack_in_double, double_stack)
@@ -52,30 +52,51 @@ static bool single_any(const kdr_tree *tree, const kdr_ray *ray) {
     return kdr_search_leave(kdr_wide_walk(tree, 0, ray, &r, true, &framed, &f, NULL));
 }
 
-static void stream_closest(const kdr_tree *tree, const kdr_ray *rays, size_t stride, uint32_t count, kdr_found *found) {
-    stream s;
-    s.tree = tree;
-    stream_begin(&s, rays, stride, count, false);
-    stream_run(&s, false);
-    for (uint32_t i = 0; i < count; i++) {
-        stream_ray *ray = &s.rays[i];
-        found[i].primitive = UINT32_MAX;
-        if (ray->octant == STREAM_ALONE)
-            single_closest(tree, ray->ray, &found[i]);
-        else if (s.closest[i].primitive != UINT32_MAX)
-            kdr_search_report(&s.closest[i], &s.frames[i], &found[i]);
+/* Packets keep where a triangle lies in 32 bits: blocks of 17 GB at most. */
+static bool has_packets(const kdr_tree *tree) {
+    return KDR_LANES > 1 && tree->wide && tree->group_count <= UINT32_MAX / (KDR_BLOCK_GROUP_BYTES / sizeof(float));
+}
+
+static void packet_closest(const kdr_tree *tree, const kdr_packet_rays *rays, kdr_packet_found *found) {
+    packet p;
+    packet_bits alone = rays->valid;
+    if (has_packets(tree)) {
+        packet_bits fit = packet_begin(&p, tree, rays, false);
+        alone = (alone & ~fit) | packet_run(&p, fit, false);
+        packet_report(&p, fit & ~alone, found);
+    }
+    for (; alone; alone &= alone - 1) {
+        uint32_t i = (uint32_t)__builtin_ctzll(alone);
+        kdr_ray ray = kdr_packet_ray(rays, i);
+        kdr_found one = {.primitive = UINT32_MAX};
+        single_closest(tree, &ray, &one);
+        found->t[i] = one.t;
+        found->u[i] = one.u;
+        found->v[i] = one.v;
+        for (int k = 0; k < 3; k++)
+            found->normal[k][i] = one.normal[k];
+        found->primitive[i] = one.primitive;
     }
     kdr_lanes_leave();
 }
 
-static void stream_any(const kdr_tree *tree, const kdr_ray *rays, size_t stride, uint32_t count, uint8_t *occluded) {
-    stream s;
-    s.tree = tree;
-    stream_begin(&s, rays, stride, count, true);
-    stream_run(&s, true);
-    for (uint32_t i = 0; i < count; i++)
-        occluded[i] = s.rays[i].octant == STREAM_ALONE ? single_any(tree, s.rays[i].ray) : s.rays[i].t < s.rays[i].tmin;
+static uint64_t packet_any(const kdr_tree *tree, const kdr_packet_rays *rays) {
+    packet p;
+    packet_bits alone = rays->valid, found = 0;
+    if (has_packets(tree)) {
+        packet_bits fit = packet_begin(&p, tree, rays, true);
+        alone = (alone & ~fit) | packet_run(&p, fit, true);
+        for (uint32_t v = 0; v < p.vectors; v++)
+            found |= packet_bits_of(kdr_lanes_less(p.t.lanes[v], p.tmin.lanes[v]), v);
+        found &= fit & ~alone;
+    }
+    for (; alone; alone &= alone - 1) {
+        uint32_t i = (uint32_t)__builtin_ctzll(alone);
+        kdr_ray ray = kdr_packet_ray(rays, i);
+        found |= (packet_bits)single_any(tree, &ray) << i;
+    }
     kdr_lanes_leave();
+    return found;
 }
 
 extern const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals);
@@ -84,5 +105,5 @@ const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals) = {.stack_closest = stack_
                                                          .wants_wide = KDR_LANES > 1,
                                                          .single_closest = single_closest,
                                                          .single_any = single_any,
-                                                         .stream_closest = stream_closest,
-                                                         .stream_any = stream_any};
+                                                         .packet_closest = packet_closest,
+                                                         .packet_any = packet_any};

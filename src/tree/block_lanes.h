@@ -53,6 +53,25 @@ KDR_LANES_INLINE kdr_block_rows kdr_block_rows_of(kdr_block block, const kdr_ray
                             .shown = block.shown};
 }
 
+/* Edge functions of sheared corners, and one bound for the three of a triangle: z is set before. */
+KDR_LANES_INLINE void kdr_block_edges_set(kdr_block_edges *e, const kdr_lanes_f x[3], const kdr_lanes_f y[3],
+                                          kdr_lanes_f doubt_least, kdr_lanes_f doubt) {
+    kdr_lanes_f size[3];
+    for (int i = 0; i < 3; i++) {
+        int p = (i + 1) % 3, q = (i + 2) % 3;
+        size[i] = kdr_lanes_larger(x[i], y[i]);
+        e->edge[i] = kdr_lanes_less_product(x[q] * y[p], y[q], x[p]);
+    }
+    e->bound = kdr_lanes_add_product(doubt_least, doubt, kdr_lanes_larger(kdr_lanes_larger(size[0], size[1]), size[2]));
+    e->least = kdr_lanes_min(kdr_lanes_min(e->edge[0], e->edge[1]), e->edge[2]);
+    e->most = kdr_lanes_max(kdr_lanes_max(e->edge[0], e->edge[1]), e->edge[2]);
+}
+
+/* Lanes that surely miss: one edge function is surely positive and another surely negative. */
+KDR_LANES_INLINE kdr_lane_bits kdr_block_outside(const kdr_block_edges *e) {
+    return kdr_lanes_less(e->least, -e->bound) & kdr_lanes_less(e->bound, e->most);
+}
+
 /* Lanes from `first` on whose triangle the ray's line is not proven to miss. */
 KDR_LANES_INLINE kdr_lane_bits kdr_block_meet(const kdr_block_rows *rows, const kdr_ray_frame *f, size_t first,
                                               kdr_block_edges *e) {
@@ -60,28 +79,15 @@ KDR_LANES_INLINE kdr_lane_bits kdr_block_meet(const kdr_block_rows *rows, const 
     kdr_lanes_f shear_x = kdr_lanes_all(f->shear_x), shear_y = kdr_lanes_all(f->shear_y);
     kdr_lanes_f origin_x = kdr_lanes_all(f->origin_along[0]), origin_y = kdr_lanes_all(f->origin_along[1]);
     kdr_lanes_f origin_z = kdr_lanes_all(f->origin_along[2]);
-    kdr_lanes_f x[3], y[3], size[3];
+    kdr_lanes_f x[3], y[3];
     for (size_t i = 0; i < 3; i++) {
         size_t at = first + i * rows->corner;
         e->z[i] = origin_z - kdr_lanes_load(rows->z + at);
         x[i] = kdr_lanes_less_product(origin_x - kdr_lanes_load(rows->x + at), shear_x, e->z[i]);
         y[i] = kdr_lanes_less_product(origin_y - kdr_lanes_load(rows->y + at), shear_y, e->z[i]);
-        size[i] = kdr_lanes_larger(x[i], y[i]);
     }
-
-    /* Edge functions, and one bound for the three of a triangle. */
-    for (int i = 0; i < 3; i++) {
-        int p = (i + 1) % 3, q = (i + 2) % 3;
-        e->edge[i] = kdr_lanes_less_product(x[q] * y[p], y[q], x[p]);
-    }
-    e->bound = kdr_lanes_add_product(kdr_lanes_all(f->doubt_least), kdr_lanes_all(f->doubt),
-                                     kdr_lanes_larger(kdr_lanes_larger(size[0], size[1]), size[2]));
-
-    /* A lane misses if one is surely positive and another surely negative. */
-    e->least = kdr_lanes_min(kdr_lanes_min(e->edge[0], e->edge[1]), e->edge[2]);
-    e->most = kdr_lanes_max(kdr_lanes_max(e->edge[0], e->edge[1]), e->edge[2]);
-    kdr_lane_bits missed = kdr_lanes_less(e->least, -e->bound) & kdr_lanes_less(e->bound, e->most);
-    return ~missed & kdr_lanes_first((uint32_t)(rows->shown - first));
+    kdr_block_edges_set(e, x, y, kdr_lanes_all(f->doubt_least), kdr_lanes_all(f->doubt));
+    return ~kdr_block_outside(e) & kdr_lanes_first((uint32_t)(rows->shown - first));
 }
 
 /* Lanes whose triangle it surely meets. */
@@ -98,19 +104,20 @@ typedef struct kdr_block_span {
  * floats e within b of E and z within four roundings of Z,
  *     computed t - t = (sum((e - E) (z - t)) + sum(E (z - Z)) + roundings) / sum(e),
  * so that what an edge function is off by counts only against the extent of the triangle along the ray. Where the sum
- * of the e is at least 16 b, their sizes add up to at most 5/4 of it, so t is at most 5/4 of the extent away from each
- * z, and the bound below is more than the double of this and of what is lost below the smallest floats. It does not
- * wait for t. */
-KDR_LANES_INLINE kdr_block_span kdr_block_span_of(const kdr_block_edges *e, const kdr_ray_frame *f) {
+ * of the e is at least 16 b, their sizes add up to at most 5/4 of it; and of a triangle that is met, each z is at most
+ * the extent away from t. So the first sum adds at most 3 b times the extent, for which there is room more than twice,
+ * and all others 34 roundings of the largest z (16 of them for the reciprocal), for which there is room nearly twice.
+ * The bound does not wait for t. */
+KDR_LANES_INLINE kdr_block_span kdr_block_span_of(const kdr_block_edges *e, kdr_lanes_f scale_z) {
     kdr_lanes_f den = (e->edge[0] + e->edge[1]) + e->edge[2], inverse = kdr_lanes_reciprocal(den);
     kdr_lanes_f z[3];
     for (int i = 0; i < 3; i++)
-        z[i] = e->z[i] * -f->scale_z;
+        z[i] = e->z[i] * -scale_z;
     kdr_lanes_f num = kdr_lanes_add_product(e->edge[0] * z[0] + e->edge[1] * z[1], e->edge[2], z[2]);
     kdr_lanes_f extent =
         kdr_lanes_max(kdr_lanes_max(z[0], z[1]), z[2]) - kdr_lanes_min(kdr_lanes_min(z[0], z[1]), z[2]);
     kdr_lanes_f reach = kdr_lanes_larger(kdr_lanes_larger(z[0], z[1]), z[2]);
-    kdr_lanes_f doubt_num = 16 * e->bound * extent + 0x1p-126f, doubt_t = 0x1p-15f * reach + 0x1p-120f;
+    kdr_lanes_f doubt_num = 8 * e->bound * extent + 0x1p-126f, doubt_t = 0x1p-18f * reach + 0x1p-120f;
     kdr_lane_bits known = kdr_lanes_less(16 * e->bound, kdr_lanes_abs(den));
     kdr_lanes_f t = num * inverse, doubt = kdr_lanes_add_product(doubt_t, doubt_num, kdr_lanes_abs(inverse));
     return (kdr_block_span){kdr_lanes_choose(known, t - doubt, kdr_lanes_all(-INFINITY)),
@@ -135,6 +142,16 @@ KDR_LANES_INLINE kdr_corners kdr_block_corners(kdr_block block, size_t i) {
 static __attribute__((noinline, unused)) bool kdr_block_decide(kdr_block block, size_t i, const kdr_ray_frame *f,
                                                                kdr_triangle_hit *hit) {
     return kdr_triangle_meet(f->origin, f->direction, kdr_block_corners(block, i), hit);
+}
+
+/* Decides whether one triangle that passed the filter is hit in (tmin, tmax]. */
+static __attribute__((noinline, unused)) bool kdr_block_decide_any(kdr_block block, size_t i, const kdr_ray_frame *f,
+                                                                   float tmin, float tmax) {
+    kdr_triangle_hit hit;
+    kdr_corners corners = kdr_block_corners(block, i);
+    return kdr_block_primitive(block, i) != UINT32_MAX &&
+           !kdr_triangle_is_behind(f->origin, f->direction, corners, tmin) &&
+           kdr_triangle_meet(f->origin, f->direction, corners, &hit) && hit.t > tmin && hit.t <= tmax;
 }
 
 /* Gives a closest hit that the filter was sure of its exact distance. */
@@ -190,7 +207,7 @@ KDR_LANES_INLINE void kdr_block_closest_new(kdr_block block, const kdr_ray_frame
         kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e) & untested;
         if (__builtin_expect(left == 0, 1))
             continue;
-        kdr_block_span span = kdr_block_span_of(&e, f);
+        kdr_block_span span = kdr_block_span_of(&e, kdr_lanes_all(f->scale_z));
         kdr_lane_bits sure = kdr_block_inside(&e) & kdr_lanes_less(kdr_lanes_all(tmin), span.from);
         left &= ~kdr_lanes_less(span.to, kdr_lanes_all(tmin));
         while (left &= ~kdr_lanes_less(kdr_lanes_all(closest->t), span.from)) {
@@ -222,18 +239,14 @@ KDR_LANES_INLINE bool kdr_block_any_new(kdr_block block, const kdr_ray_frame *f,
         kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e) & untested;
         if (__builtin_expect(left == 0, 1))
             continue;
-        kdr_block_span span = kdr_block_span_of(&e, f);
+        kdr_block_span span = kdr_block_span_of(&e, kdr_lanes_all(f->scale_z));
         kdr_lanes_f begin = kdr_lanes_all(tmin), end = kdr_lanes_all(tmax);
         if (left & kdr_block_inside(&e) & kdr_lanes_less(begin, span.from) & kdr_lanes_less(span.to, end))
             return true;
         left &= ~(kdr_lanes_less(span.to, begin) | kdr_lanes_less(end, span.from));
-        for (; left; left &= left - 1) {
-            size_t i = first + (uint32_t)__builtin_ctz(left);
-            kdr_triangle_hit hit;
-            if (kdr_block_primitive(block, i) != UINT32_MAX && kdr_block_decide(block, i, f, &hit) && hit.t > tmin &&
-                hit.t <= tmax)
+        for (; left; left &= left - 1)
+            if (kdr_block_decide_any(block, first + (uint32_t)__builtin_ctz(left), f, tmin, tmax))
                 return true;
-        }
     }
     return false;
 }

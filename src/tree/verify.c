@@ -43,11 +43,14 @@ static wanted want(const kdr_tree *tree, kdr_node leaf, uint32_t i) {
 /* True if the triangle reaches further into the cell than any margin of clipping. */
 static bool surely_meets(const wanted *w, const kdr_box *cell) {
     kdr_box inner, part;
+    float largest = 0;
     for (int k = 0; k < 3; k++) {
-        float largest =
-            fmaxf(fmaxf(fabsf(cell->lo[k]), fabsf(cell->hi[k])), fmaxf(fabsf(w->box.lo[k]), fabsf(w->box.hi[k])));
-        inner.lo[k] = nextafterf(cell->lo[k] + largest * 0x1p-20f, INFINITY);
-        inner.hi[k] = nextafterf(cell->hi[k] - largest * 0x1p-20f, -INFINITY);
+        largest = fmaxf(largest, fmaxf(fabsf(cell->lo[k]), fabsf(cell->hi[k])));
+        largest = fmaxf(largest, fmaxf(fabsf(w->box.lo[k]), fabsf(w->box.hi[k])));
+    }
+    for (int k = 0; k < 3; k++) {
+        inner.lo[k] = nextafterf(cell->lo[k] + largest * 0x1p-14f, INFINITY);
+        inner.hi[k] = nextafterf(cell->hi[k] - largest * 0x1p-14f, -INFINITY);
     }
     return !kdr_box_is_empty(&inner) && kdr_triangle_clip((const float(*)[3])w->corners, &inner, &part);
 }

@@ -1,5 +1,6 @@
 #include "support/query_sheet.h"
 
+#include "support/random.h"
 #include "support/soup.h"
 
 #include <float.h>
@@ -179,10 +180,94 @@ static void ask_in_runs(interview *asking) {
     free(occluded);
 }
 
+/* ---- packets: one body for the three widths, which differ in how far the numbers of a field lie apart */
+
+#define RAY_FIELDS 12
+#define HIT_FIELDS 8
+#define FIELDS (RAY_FIELDS + HIT_FIELDS)
+#define WIDEST 16
+
+static void ask_packet(const kdr_scene *scene, uint32_t width, const int32_t *valid, void *closest, void *any) {
+    switch (width) {
+    case 4:
+        kdr_intersect4(scene, valid, closest);
+        kdr_occluded4(scene, valid, any);
+        break;
+    case 8:
+        kdr_intersect8(scene, valid, closest);
+        kdr_occluded8(scene, valid, any);
+        break;
+    default: kdr_intersect16(scene, valid, closest); kdr_occluded16(scene, valid, any);
+    }
+}
+
+/* Rays number[0], number[1] ... of the sheet, those that are not active left alone to the bit. */
+static void ask_one_packet(interview *asking, uint32_t width, const int32_t *valid, const size_t number[WIDEST]) {
+    uint32_t closest[FIELDS * WIDEST + 1], any[RAY_FIELDS * WIDEST + 1], closest_before[FIELDS * WIDEST + 1],
+        any_before[RAY_FIELDS * WIDEST + 1];
+    memset(closest, GUARD, sizeof(closest));
+    memset(any, GUARD, sizeof(any));
+    for (uint32_t i = 0; i < width; i++) {
+        uint32_t fields[RAY_FIELDS];
+        memcpy(fields, &asking->sheet->rays[number[i]], sizeof(fields));
+        for (uint32_t k = 0; k < RAY_FIELDS; k++)
+            closest[k * width + i] = any[k * width + i] = fields[k];
+    }
+    memcpy(closest_before, closest, sizeof(closest));
+    memcpy(any_before, any, sizeof(any));
+    ask_packet(asking->scene, width, valid, closest, any);
+
+    char query[32];
+    snprintf(query, sizeof(query), "packet of %u", width);
+    for (uint32_t i = 0; i < width; i++) {
+        if (!valid || valid[i] != 0) {
+            kdr_ray_hit given;
+            uint32_t fields[FIELDS];
+            for (uint32_t k = 0; k < FIELDS; k++)
+                fields[k] = closest[k * width + i];
+            memcpy(&given, fields, sizeof(given));
+            count_closest(asking, number[i], &given, query);
+            float tmax;
+            memcpy(&tmax, &any[8 * width + i], sizeof(tmax));
+            bool occluded = tmax == -INFINITY && asking->sheet->rays[number[i]].tmax != -INFINITY;
+            count_any(asking, number[i], occluded, query);
+            if (occluded)
+                any[8 * width + i] = any_before[8 * width + i];
+        }
+        for (uint32_t k = 0; k < FIELDS && valid && valid[i] == 0; k++)
+            if (closest[k * width + i] != closest_before[k * width + i])
+                count_any(asking, number[i], -1, "packet (a ray that is not active was changed)");
+    }
+    if (memcmp(any, any_before, sizeof(any)) != 0)
+        count_any(asking, number[0], -1, "occluded packet (more than tmax was changed)");
+    if (closest[FIELDS * width] != closest_before[FIELDS * width])
+        count_any(asking, number[0], -1, "packet (written behind its end)");
+}
+
+/* Every ray takes part in a packet of each width; some lanes are not active, some packets have one ray in all lanes. */
+static void ask_in_packets(interview *asking) {
+    test_random random = test_random_start(test_random_seed(), 4816);
+    for (uint32_t width = 4; width <= WIDEST; width *= 2) {
+        for (size_t first = 0; first < asking->sheet->count; first += width) {
+            size_t number[WIDEST];
+            int32_t valid[WIDEST];
+            bool alike = test_random_below(&random, 8) == 0;
+            uint32_t sparse = test_random_below(&random, 4);
+            for (uint32_t i = 0; i < width; i++) {
+                number[i] = alike ? first : first + i < asking->sheet->count ? first + i : 0;
+                valid[i] =
+                    test_random_below(&random, 4) >= sparse ? -1 - (int32_t)test_random_below(&random, 2) * 6 : 0;
+            }
+            ask_one_packet(asking, width, sparse == 0 ? NULL : valid, number);
+        }
+    }
+}
+
 size_t query_sheet_differences(const query_sheet *sheet, const kdr_scene *scene, const char *label) {
     interview asking = {sheet, scene, label, 0};
     ask_one_by_one(&asking);
     ask_in_runs(&asking);
+    ask_in_packets(&asking);
     if (asking.differences > 0)
         printf("%s: wrong answers (%zu counted) to %zu rays\n", label, asking.differences, sheet->count);
     return asking.differences;

@@ -21,7 +21,8 @@ typedef struct query_sheet {
 query_sheet query_sheet_create(const oracle_tree *tree, const kdr_ray *rays, size_t count);
 void query_sheet_destroy(query_sheet *sheet);
 
-/* Asks every query of the scene, the ones for many rays in runs of 0, 1, 15, 16, 17 and 1000, with every coherence.
+/* Asks every query of the scene, the ones for many rays in runs of 0, 1, 15, 16, 17 and 1000, with every coherence,
+ * and packets of every width with some rays not active.
  * Prints the first few wrong answers and returns how many it counted: 0 if all is right. Thread safe. */
 size_t query_sheet_differences(const query_sheet *sheet, const kdr_scene *scene, const char *label);
 

@@ -84,6 +84,42 @@ static bool differs(const kdr_tree *tree, kdr_isa isa, const kdr_ray *ray, bool 
            (by_name && named_differ(tree, isa, ray, *hit, &expected));
 }
 
+/* Answers of a table for a packet: rays of one kind from nearly one point to nearly another. */
+static size_t packet_differences(const kdr_tree *tree, const kdr_traversals *table, test_random *random,
+                                 uint32_t kind) {
+    const kdr_traversals *scalar = kdr_traversals_for(KDR_ISA_SCALAR);
+    kdr_entry root = kdr_entry_root(tree);
+    kdr_packet_rays rays = {.valid = UINT64_MAX, .count = KDR_PACKET_RAYS};
+    kdr_packet_found found;
+    const kdr_ray middle = random_ray(random, kind);
+    for (uint32_t i = 0; i < KDR_PACKET_RAYS; i++) {
+        const float *origin = &middle.origin_x, *direction = &middle.direction_x;
+        for (int k = 0; k < 3; k++) {
+            rays.origin[k][i] = origin[k] + (kind % 2 ? test_random_between(random, -0.02f, 0.02f) : 0);
+            rays.direction[k][i] = direction[k] * test_random_between(random, 0.9f, 1.1f);
+        }
+        rays.tmin[i] = middle.tmin;
+        rays.tmax[i] = middle.tmax;
+    }
+    table->packet_closest(tree, &rays, &found);
+    uint64_t any = table->packet_any(tree, &rays);
+    size_t differences = 0;
+    for (uint32_t i = 0; i < KDR_PACKET_RAYS; i++) {
+        kdr_ray ray = kdr_packet_ray(&rays, i);
+        kdr_found expected = {.primitive = UINT32_MAX};
+        bool hit = scalar->stack_closest(tree, &root, &ray, &expected);
+        kdr_found given = {.primitive = found.primitive[i]};
+        if (given.primitive != UINT32_MAX)
+            given = (kdr_found){.t = found.t[i],
+                                .u = found.u[i],
+                                .v = found.v[i],
+                                .normal = {found.normal[0][i], found.normal[1][i], found.normal[2][i]},
+                                .primitive = found.primitive[i]};
+        differences += !same(given.primitive != UINT32_MAX, &given, hit, &expected) || (any >> i & 1) != hit;
+    }
+    return differences;
+}
+
 static void check_build(kdr_device *device, const kdr_triangles_def *triangles, const kdr_build_def *build,
                         uint32_t rays, uint32_t longest_leaf, table_check *out) {
     test_random random = test_random_start(test_random_seed(), 78);
@@ -111,6 +147,8 @@ static void check_build(kdr_device *device, const kdr_triangles_def *triangles, 
         out->hits += hit;
         out->rays++;
     }
+    for (uint32_t i = 0; i < rays / KDR_PACKET_RAYS; i++)
+        out->differences += packet_differences(&scene->tree, kdr_traversals_for(isa), &random, i);
     kdr_scene_destroy(scene);
 }
 

@@ -1,5 +1,5 @@
 /* Every traversal of every instruction set gives the same answer to the bit: the stack traversal of the kd-tree, the
- * traversals by name and the lone-ray traversal of the wide tree, held against the scalar stack. */
+ * traversals by name, the lone-ray traversal of the wide tree and packets, held against the scalar stack. */
 #include "support/table_check.h"
 
 #include <setjmp.h>
