@@ -36,7 +36,7 @@ static void add(build_group *group, const char *plan, const char *more, bool per
     v->threads = threads;
 }
 
-static const char *const pool_plans[] = {"split=sweep", "split=sweep " FINE, "split=binned"};
+static const char *const pool_plans[] = {"split=sweep", ("split=sweep " FINE), "split=binned"};
 #define POOL_PLANS (sizeof pool_plans / sizeof pool_plans[0])
 
 static void list_pools(build_group *group) {
@@ -57,7 +57,7 @@ static void list_orders(build_group *group) {
 
 static void list_events(build_group *group) {
     static const char *const plans[] = {"split=sweep straddle=general", "split=sweep straddle=clip",
-                                        "split=sweep " FINE};
+                                        ("split=sweep " FINE)};
     for (size_t i = 0; i < sizeof plans / sizeof plans[0]; i++) {
         add(group, plans[i], "events=2", false, 1);
         add(group, plans[i], "events=3", false, 1);
