@@ -164,6 +164,7 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
                      .cost_traversal = plan->cost_traversal,
                      .cost_intersection = plan->cost_intersection,
                      .depth_limit = state.plan.depth_limit,
+                     .flat_in_both = plan->split == KDR_SPLIT_SWEEP && plan->events == KDR_EVENTS_TWO,
                      .clipped = plan->straddle == KDR_STRADDLE_CLIP && input->corners};
     status = kdr_build_layout(&state, &made);
     if (status == KDR_OK)

@@ -145,11 +145,14 @@ static void closest(const kdr_tree *tree, const float query[3], kdr_nearest *nea
 }
 
 /* True if this leaf, of those that hold the triangle, is the one to report it: the one whose cell has its closest
- * point. A point in a split plane belongs to the right side, unless the triangle is on the left one only. */
-static inline bool owns(const kdr_box *cell, const float corner[3][3], const double at[3]) {
+ * point. A point in a split plane belongs to the right side, unless the triangle is on the left one only. One that lies
+ * in the plane is on one side, or, where it is on both, belongs to the left one. */
+static inline bool owns(const kdr_tree *tree, const kdr_box *cell, const float corner[3][3], const double at[3]) {
     for (int k = 0; k < 3; k++) {
+        float lo = fminf(fminf(corner[0][k], corner[1][k]), corner[2][k]);
         float hi = fmaxf(fmaxf(corner[0][k], corner[1][k]), corner[2][k]);
-        if (at[k] < cell->lo[k] || (at[k] >= cell->hi[k] && hi > cell->hi[k]))
+        bool in_plane = tree->flat_in_both && lo == hi && lo == cell->lo[k] && lo > tree->bounds.lo[k];
+        if (at[k] < cell->lo[k] || (at[k] >= cell->hi[k] && hi > cell->hi[k]) || in_plane)
             return false;
     }
     return true;
@@ -161,8 +164,8 @@ typedef struct waiting_box {
     double square[3];
 } waiting_box;
 
-static bool block_within(kdr_block block, const kdr_box *cell, const float query[3], double square,
-                         const near_limit *limit, kdr_near_fn *visit, void *context) {
+static bool block_within(const kdr_tree *tree, kdr_block block, const kdr_box *cell, const float query[3],
+                         double square, const near_limit *limit, kdr_near_fn *visit, void *context) {
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
         kdr_lane_bits left = near_boxes(block, first, cell, query, limit);
         if (limit->has_plane && (left & (left - 1)) != 0)
@@ -175,7 +178,7 @@ static bool block_within(kdr_block block, const kdr_box *cell, const float query
             float corner[3][3];
             kdr_block_triangle(block, i, corner);
             found.point = kdr_triangle_point(query, (const float(*)[3])corner);
-            if (found.point.square > square || !owns(cell, (const float(*)[3])corner, found.point.at))
+            if (found.point.square > square || !owns(tree, cell, (const float(*)[3])corner, found.point.at))
                 continue;
             kdr_lanes_leave();
             if (!visit(&found, context))
@@ -212,7 +215,7 @@ static bool within(const kdr_tree *tree, const float query[3], double square, kd
             top += (other->square[0] + other->square[1]) + other->square[2] <= square;
             node = tree->nodes[at.node];
         }
-        if (!block_within(kdr_block_of(tree->blocks, node), &at.cell, query, square, &limit, visit, context))
+        if (!block_within(tree, kdr_block_of(tree->blocks, node), &at.cell, query, square, &limit, visit, context))
             return false;
         if (top == 0)
             break;

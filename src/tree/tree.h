@@ -34,6 +34,7 @@ typedef struct kdr_tree {
     uint64_t dropped_count, degenerate_count;
     float cost_traversal, cost_intersection;
     uint32_t depth_limit;
+    bool flat_in_both; /* a triangle that lies in a split plane is on both sides of it, not on one */
     bool clipped; /* triangles were cut at planes: leaves hold those that meet their cell, not all whose box does */
     struct kdr_wide_node *wide; /* see wide.h; NULL: not asked for, or the root is a leaf */
     float reach[4];             /* largest coordinate on each axis, and 0; set with `wide` */
