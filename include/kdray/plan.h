@@ -51,7 +51,7 @@ typedef enum kdr_straddle_rule {
 
 /* How single rays go through the tree; never changes an answer. All but AUTO ask every ray of every query alone. */
 typedef enum kdr_trace_rule {
-    KDR_TRACE_AUTO,        /* the fastest there is: the wide tree where there are lanes, rays together in streams */
+    KDR_TRACE_AUTO,        /* the fastest there is: the wide tree where there are lanes, rays together in packets */
     KDR_TRACE_STACK,       /* front to back through the kd-tree, with a stack of far children */
     KDR_TRACE_RESTART,     /* no stack: from the root again for every leaf */
     KDR_TRACE_PUSH_DOWN,   /* restart, from the deepest node above which nothing waits */

@@ -367,11 +367,12 @@ static void print_real(float value, char *out, size_t size) {
 
 static void print_value(const plan_key *key, const kdr_build_def *def, char *out, size_t size) {
     const char *from = (const char *)def + key->offset;
-    uint32_t whole, regions;
+    uint32_t whole, regions = 0;
     float real;
     memcpy(&whole, from, sizeof whole);
-    memcpy(&regions, from + 4, sizeof regions);
     memcpy(&real, from, sizeof real);
+    if (key->kind == KEY_SHARE)
+        memcpy(&regions, from + 4, sizeof regions);
     switch (key->kind) {
     case KEY_QUALITY: break;
     case KEY_CHOICE: snprintf(out, size, "%s", key->choice.names[whole]); break;
