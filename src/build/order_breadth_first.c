@@ -67,7 +67,7 @@ static kdr_status run(kdr_build_state *state, const kdr_build_task *given, uint3
     const kdr_build_task *tasks = given;
     size_t count = given_count;
     bool memory = kdr_buffer_reserve(shop->alloc, &shop->levels[0], count * sizeof *given);
-    if (memory) {
+    if (memory && count > 0) {
         l.tasks = memcpy(shop->levels[0].memory, given, count * sizeof *given);
         tasks = l.tasks;
     }
