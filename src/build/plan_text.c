@@ -367,17 +367,16 @@ static void print_real(float value, char *out, size_t size) {
 
 static void print_value(const plan_key *key, const kdr_build_def *def, char *out, size_t size) {
     const char *from = (const char *)def + key->offset;
-    uint32_t whole, regions;
+    uint32_t whole;
     float real;
     memcpy(&whole, from, sizeof whole);
-    memcpy(&regions, from + 4, sizeof regions);
     memcpy(&real, from, sizeof real);
     switch (key->kind) {
     case KEY_QUALITY: break;
     case KEY_CHOICE: snprintf(out, size, "%s", key->choice.names[whole]); break;
     case KEY_BOOL: snprintf(out, size, "%s", key->choice.names[*(const bool *)from]); break;
     case KEY_SHARE:
-        snprintf(out, size, whole == KDR_SHARE_NONE ? "%s" : "%s/%" PRIu32, key->choice.names[whole], regions);
+        snprintf(out, size, whole == KDR_SHARE_NONE ? "%s" : "%s/%" PRIu32, key->choice.names[whole], def->share_count);
         break;
     case KEY_WHOLE: snprintf(out, size, "%" PRIu32, whole); break;
     case KEY_REAL: print_real(real, out, size); break;
