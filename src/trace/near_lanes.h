@@ -86,7 +86,7 @@ KDR_LANES_INLINE kdr_lanes_f near_planes(kdr_block block, size_t first, const fl
             edge[i][k] = corner[(i + 1) % 3][k] - corner[i][k];
 
     /* The closest point of the edges, about. */
-    kdr_lanes_f to[3], least = kdr_lanes_all(INFINITY);
+    kdr_lanes_f to[3] = {{0}, {0}, {0}}, least = kdr_lanes_all(INFINITY);
     for (int i = 0; i < 3; i++) {
         kdr_lanes_f along = -near_dot(corner[i], edge[i]) * kdr_lanes_reciprocal(near_dot(edge[i], edge[i]));
         along = kdr_lanes_min(kdr_lanes_max(along, kdr_lanes_all(0)), kdr_lanes_all(1));

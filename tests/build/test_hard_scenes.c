@@ -6,7 +6,6 @@
 #include "scene/scene.h"
 #include "support/random.h"
 #include "support/soup.h"
-#include "support/test_size.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,8 +15,8 @@
 
 #include <cmocka.h>
 
-#define TRIANGLES TEST_SIZE(3000)
-#define WITHOUT_AREA TEST_SIZE(100000)
+#define TRIANGLES 2000
+#define WITHOUT_AREA 50000
 #define TIMES_PLAIN 10 /* nodes, bytes and work of a hard scene over those of the plain one */
 #define REFERENCES 8   /* a triangle, unless the plan says otherwise */
 
