@@ -91,7 +91,7 @@ static void the_sweep_has_a_bonus_and_best_quality_is_a_sweep_with_all_its_arts(
     assert_reads_as("quality=best", best);
     assert_reads_as("quality=balanced", USUAL);
     assert_reads_as("quality=fast", "split=binned axis=best " BETWEEN
-                                    "traversal-cost=80 intersection-cost=1 leaf-limit=256 depth-limit=0 "
+                                    "traversal-cost=96 intersection-cost=1 leaf-limit=384 depth-limit=0 "
                                     "reference-limit=0" TRACED);
     kdr_build_def def = kdr_quality_build_def(KDR_QUALITY_BEST);
     assert_string_equal(printed(&def), best);
