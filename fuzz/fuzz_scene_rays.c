@@ -74,6 +74,7 @@ static kdr_build_def take_build_def(source *from) {
         uint8_t rules = take_byte(from);
         def.split = (kdr_split_rule)(rules % 3);
         def.axis = (kdr_axis_rule)(rules / 3 % 4);
+        def.straddle = (kdr_straddle_rule)(rules / 12 % 3);
     }
     if (flags & 64) {
         uint8_t rules = take_byte(from);
@@ -86,8 +87,8 @@ static kdr_build_def take_build_def(source *from) {
         uint8_t rules = take_byte(from);
         def.split = KDR_SPLIT_SWEEP;
         def.events = (kdr_event_form)(2 + rules % 2);
-        def.straddle = (kdr_straddle_rule)(rules / 2 % 2);
-        def.box_weight = (float)(rules / 4 % 3) / 2;
+        def.straddle = (kdr_straddle_rule)(rules / 2 % 3);
+        def.box_weight = (float)(rules / 6 % 3) / 2;
     }
     return def;
 }
