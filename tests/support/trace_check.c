@@ -118,14 +118,17 @@ static void ask_call(interview *asking, const kdr_trace_def *def, size_t first, 
         note(asking, first, "occluded_n, behind the last");
 }
 
-/* All at once whatever the caller says of them, then in runs, among them single bundles. */
-static void ask_calls(interview *asking) {
+/* All at once, of one coherence. */
+static void ask_one_call(interview *asking, uint32_t coherence) {
+    kdr_trace_def def = kdr_default_trace_def();
+    def.coherence = (kdr_coherence)coherence;
+    ask_call(asking, &def, 0, asking->count);
+}
+
+/* In runs, among them single bundles. */
+static void ask_runs(interview *asking) {
     static const size_t runs[] = {16, 1, 15, 16, 17, 0, 31, 64};
     kdr_trace_def def = kdr_default_trace_def();
-    for (int coherence = 0; coherence < 3; coherence++) {
-        def.coherence = (kdr_coherence)coherence;
-        ask_call(asking, &def, 0, asking->count);
-    }
     for (size_t i = 0, first = 0; first < asking->count; i++) {
         size_t left = asking->count - first, count = runs[i % COUNT(runs)] < left ? runs[i % COUNT(runs)] : left;
         def.coherence = (kdr_coherence)(i / 2 % 3);
@@ -206,10 +209,22 @@ static void ask_packet(interview *asking, uint32_t width, size_t first) {
     compare_lanes(asking, width, sparse ? valid : NULL, first, &before, &closest, &any);
 }
 
-static void ask_packets(interview *asking) {
-    for (uint32_t width = 4; width <= WIDEST; width *= 2)
-        for (size_t first = 0; first + width <= asking->count; first += width)
-            ask_packet(asking, width, first);
+static void ask_packets(interview *asking, uint32_t width) {
+    for (size_t first = 0; first + width <= asking->count; first += width)
+        ask_packet(asking, width, first);
+}
+
+/* Of calls and packets one each, by the turn, or all of them. */
+static void ask_scene(interview *asking, bool all, uint32_t turn) {
+    ask_alone(asking);
+    for (uint32_t i = 0; i < 3; i++) {
+        if (!all && i != turn % 3)
+            continue;
+        ask_one_call(asking, i);
+        ask_packets(asking, 4u << i);
+    }
+    if (all)
+        ask_runs(asking);
 }
 
 /* ---- every way to trace */
@@ -258,7 +273,8 @@ static kdr_build_def plan_of_row(const trace_case *asked, const char *trace, con
                                  size_t size) {
     kdr_build_def def;
     char problem[200];
-    snprintf(text, size, "%s %s %s %s %s %s", asked->split, asked->axis, asked->share, asked->order, trace, mailbox);
+    snprintf(text, size, "%s %s %s %s %s %s %s", asked->split, asked->axis, asked->share, asked->order, asked->costs,
+             trace, mailbox);
     if (kdr_build_def_parse(text, &def, problem, sizeof problem) != KDR_OK)
         fail_msg("%s: %s", text, problem);
     return def;
@@ -266,7 +282,7 @@ static kdr_build_def plan_of_row(const trace_case *asked, const char *trace, con
 
 /* The same scene goes from one plan to the next, as a host's would. */
 static void ask_row(walk *w, kdr_scene *scene, kdr_isa isa, size_t row, const char *mailbox) {
-    char text[200];
+    char text[300];
     kdr_build_def def = plan_of_row(w->asked, trace_rows[row], mailbox, text, sizeof text);
     if (kdr_scene_commit(scene, &def) != KDR_OK || kdr_scene_hash(scene) != w->hash)
         fail_msg("%s, %s, %s: another tree", w->asked->kind->name, kdr_isa_name(isa), text);
@@ -274,9 +290,7 @@ static void ask_row(walk *w, kdr_scene *scene, kdr_isa isa, size_t row, const ch
         w->fault->spoil(scene);
     w->asking.scene = scene;
     w->asking.wrong = 0;
-    ask_alone(&w->asking);
-    ask_calls(&w->asking);
-    ask_packets(&w->asking);
+    ask_scene(&w->asking, row == 0 || w->asked->is_whole, (uint32_t)(w->asked->sequence + row + (size_t)isa));
     w->report->scenes++;
     if (w->asking.wrong == 0)
         return;
@@ -298,7 +312,7 @@ static void ask_everything(walk *w, const soup_scene *soup) {
         for (size_t row = 0; row < trace_row_count; row++) {
             size_t mailboxes = row == 0 ? 1 : mailbox_row_count;
             for (size_t i = 0; i < mailboxes; i++)
-                if (w->asked->every_mailbox || i == (w->asked->sequence + row) % mailboxes)
+                if (w->asked->is_whole || i == (w->asked->sequence + row) % mailboxes)
                     ask_row(w, scene, (kdr_isa)isa, row, mailbox_rows[i]);
         }
         kdr_scene_destroy(scene);
@@ -312,7 +326,7 @@ void trace_check(const trace_case *asked, const trace_fault *fault, trace_report
     oracle_scene oracle = oracle_scene_create(soup.geometries, SOUP_GEOMETRIES);
     oracle_tree tree = oracle_tree_create(&oracle);
     kdr_device *plain = device_of_isa(KDR_ISA_SCALAR, 1, NULL);
-    char text[200];
+    char text[300];
     kdr_build_def def = plan_of_row(asked, "trace=stack", "", text, sizeof text);
     kdr_scene *reference = committed_scene(plain, soup.geometries, SOUP_GEOMETRIES, &def);
     if (kdr_scene_verify(reference) != KDR_OK)

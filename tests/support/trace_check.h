@@ -36,10 +36,11 @@ typedef struct trace_fault {
 typedef struct trace_case {
     const soup_kind *kind;
     size_t triangles;
-    size_t rays;                              /* a multiple of 16; the last half are bundles of 16 */
-    uint64_t sequence;                        /* of random numbers */
-    const char *split, *axis, *share, *order; /* words of the plan */
-    bool every_mailbox;                       /* else one for each traversal, by the sequence */
+    size_t rays;                                      /* a multiple of 16; the last half are bundles of 16 */
+    uint64_t sequence;                                /* of random numbers */
+    const char *split, *axis, *share, *order, *costs; /* words of the plan, "" for the default */
+    bool is_whole; /* else a tree and traversal get one mailbox, and traversals by name, which ask every ray alone, one
+                      width of packets and one coherence: those by the sequence */
 } trace_case;
 
 typedef struct trace_report {
@@ -48,7 +49,7 @@ typedef struct trace_report {
     uint32_t wrong_rows; /* bit i: trace_rows[i] */
     uint32_t isas;       /* bit i: instruction set i was asked */
     uint32_t wrong_isas;
-    char first[512]; /* the first wrong answer: plan, instruction set, query and ray; "" if all are right */
+    char first[640]; /* the first wrong answer: plan, instruction set, query and ray; "" if all are right */
 } trace_report;
 
 /* Adds to the report. fault NULL: none. Fails the running test if a tree cannot be built, is not sound or is not the

@@ -23,18 +23,24 @@
 static void hold_builder(size_t i, uint64_t round, trace_report *report) {
     const size_t builders = split_row_count * share_row_count;
     const soup_kind *kind = &soup_kinds[(i * 5 + i / soup_kind_count + round * 7) % soup_kind_count];
-    const bool is_long = test_is_long();
+    /* So few triangles are one leaf by the default costs. */
+    static const char *const costs[] = {"traversal-cost=0.01 leaf-limit=1 depth-limit=60",
+                                        "traversal-cost=0.5 leaf-limit=4",
+                                        "traversal-cost=0.1 leaf-limit=2 reference-limit=20", ""};
     trace_case asked = {.kind = kind,
-                        .triangles = is_long ? kind->count : 24 + i * 13 % 80,
-                        .rays = is_long          ? kind->is_exact ? 64 : 512
-                                : kind->is_exact ? 32
-                                                 : 64,
+                        .triangles = kind->is_exact ? 12 + i % 20 : 20 + i * 13 % 44,
+                        .rays = 32,
                         .sequence = 1000 + round * builders * axis_row_count + i,
                         .split = split_rows[i / share_row_count % split_row_count],
                         .axis = axis_rows[(i / builders + i) % axis_row_count],
                         .share = share_rows[i % share_row_count],
                         .order = order_rows[(i / 3 + round) % order_row_count],
-                        .every_mailbox = is_long};
+                        .costs = costs[(i + i / 25 + round) % 4],
+                        .is_whole = test_is_long()};
+    if (test_is_long()) {
+        asked.triangles = kind->count;
+        asked.rays = kind->is_exact ? 64 : 512;
+    }
     trace_check(&asked, NULL, report);
     if (report->wrong_scenes > 0)
         fail_msg("%s", report->first);
