@@ -117,10 +117,13 @@ static void report(const request *asked, const char *name, const char *kind, siz
                counts->elsewhere[tracer]);
     printf("\n");
     fflush(stdout);
-    for (int tracer = 0; asked->csv && tracer < HIT_TRACERS; tracer++)
-        fprintf(asked->csv, "%s,%s,%s,%zu,%zu,%zu,%zu,%zu,%zu\n", name, kind, hit_tracer_name(tracer), rays,
-                counts->differing, counts->settled, counts->wrong[tracer], counts->elsewhere[tracer],
-                tracer < HIT_TRACERS_OF_KDRAY ? counts->inexact[tracer] : 0);
+    for (int tracer = 0; asked->csv && tracer < HIT_TRACERS; tracer++) {
+        fprintf(asked->csv, "%s,%s,%s,%zu,%zu,%zu,%zu,%zu,", name, kind, hit_tracer_name(tracer), rays,
+                counts->differing, counts->settled, counts->wrong[tracer], counts->elsewhere[tracer]);
+        if (tracer < HIT_TRACERS_OF_KDRAY)
+            fprintf(asked->csv, "%zu", counts->inexact[tracer]);
+        fputc('\n', asked->csv);
+    }
 }
 
 static void add(tally *to, const tally *from) {
@@ -224,12 +227,11 @@ static bool write_head(const request *asked) {
 
 static const char help[] =
     "usage: check_hits [--side N] [--every N] [--csv FILE] [SCENE...]\n\n"
-    "Counts wrong hits of kdray and Embree on the rays of kdray bench, settled by exact arithmetic. A SCENE is the "
-    "path\n"
-    "of a .ply file without its ending, or builtin:NAME[:TRIANGLES]. Without one: six scenes of the folder\n"
-    "KDRAY_SCENES. Exit status: 0 kdray is right everywhere, 1 it is not, or something failed, 2 wrong usage.\n\n"
+    "Counts wrong hits of kdray and Embree on the rays of kdray bench, settled by exact arithmetic. A SCENE is a .ply\n"
+    "file without its ending, or builtin:NAME[:TRIANGLES]. Without one: six scenes of the folder KDRAY_SCENES.\n"
+    "Exit status: 0 kdray is right everywhere, 1 it is not or something failed, 2 wrong usage.\n\n"
     "  --side N     picture of N x N pixels, 8 to 4096, default 1024\n"
-    "  --every N    settle one in N of the rays on which all agree, default 1000; 1: every ray\n"
+    "  --every N    settle one in N of the rays on which all agree, default 100; 1: every ray\n"
     "  --csv FILE   write the counts as comma separated values\n";
 
 static bool read_number(const char *text, long least, long most, uint32_t *out) {
@@ -256,12 +258,44 @@ static bool compare_folder(const request *asked, const char *folder, tally *tota
     return done;
 }
 
+static void print_names(void) {
+    printf("%-20s %-8s %9s %7s %8s", "", "", "rays", "differ", "settled");
+    for (int tracer = 0; tracer < HIT_TRACERS; tracer++)
+        printf(" %s", hit_tracer_name(tracer));
+    printf(" (of each: wrong, elsewhere)\n");
+}
+
+/* The whole run. A file of counts is there when all is done, or not at all. */
+static bool run(request *asked, char **scenes, const char *folder, const char *csv) {
+    char part[4096];
+    snprintf(part, sizeof part, "%s.part", csv ? csv : "");
+    asked->csv = csv ? fopen(part, "w") : NULL;
+    if (csv && (!asked->csv || !write_head(asked))) {
+        fprintf(stderr, "%s: cannot be written\n", part);
+        return false;
+    }
+    print_names();
+    tally total = {0};
+    size_t rays = 0, faults = 0;
+    bool done = *scenes ? compare_list(asked, scenes, &total, &rays) : compare_folder(asked, folder, &total, &rays);
+    if (done)
+        report(asked, "all", "all", rays, &total);
+    if (asked->csv && (fclose(asked->csv) != 0 || !done || rename(part, csv) != 0)) {
+        fprintf(stderr, "%s: not written\n", csv);
+        remove(part);
+        done = false;
+    }
+    for (int tracer = 0; tracer < HIT_TRACERS_OF_KDRAY; tracer++)
+        faults += total.wrong[tracer] + total.inexact[tracer];
+    printf("kdray: %zu answers that are not exact\n", faults);
+    return done && faults == 0;
+}
+
 int main(int count, char **words) {
-    request asked = {.side = 1024, .every = 1000};
+    request asked = {.side = 1024, .every = 100};
     const char *csv = NULL, *folder = getenv("KDRAY_SCENES");
     bool fits = true;
-    words++, count--;
-    for (; count >= 2 && strncmp(*words, "--", 2) == 0 && fits; words += 2, count -= 2) {
+    for (words++, count--; count >= 2 && strncmp(*words, "--", 2) == 0 && fits; words += 2, count -= 2) {
         if (strcmp(words[0], "--side") == 0)
             fits = read_number(words[1], 8, 4096, &asked.side);
         else if (strcmp(words[0], "--every") == 0)
@@ -271,32 +305,13 @@ int main(int count, char **words) {
         else
             fits = false;
     }
+    if (*words && strcmp(*words, "--help") == 0) {
+        fputs(help, stdout);
+        return 0;
+    }
     if (!fits || (*words && **words == '-') || (!*words && (!folder || !*folder))) {
         fputs(help, stderr);
         return 2;
     }
-    asked.csv = csv ? fopen(csv, "w") : NULL;
-    if ((csv && !asked.csv) || (csv && !write_head(&asked))) {
-        fprintf(stderr, "%s: cannot be written\n", csv);
-        return 1;
-    }
-
-    /* Two columns a tracer: wrong, and elsewhere */
-    printf("%-20s %-8s %9s %7s %8s", "", "", "rays", "differ", "settled");
-    for (int tracer = 0; tracer < HIT_TRACERS; tracer++)
-        printf(" %s", hit_tracer_name(tracer));
-    printf("\n");
-
-    tally total = {0};
-    size_t rays = 0, faults = 0;
-    bool done = *words ? compare_list(&asked, words, &total, &rays) : compare_folder(&asked, folder, &total, &rays);
-    report(&asked, "all", "all", rays, &total);
-    for (int tracer = 0; tracer < HIT_TRACERS_OF_KDRAY; tracer++)
-        faults += total.wrong[tracer] + total.inexact[tracer];
-    if (asked.csv && fclose(asked.csv) != 0) {
-        fprintf(stderr, "%s: cannot be written\n", csv);
-        done = false;
-    }
-    printf("kdray: %zu answers that are not exact\n", faults);
-    return done && faults == 0 ? 0 : 1;
+    return run(&asked, words, folder, csv) ? 0 : 1;
 }
