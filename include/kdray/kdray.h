@@ -239,7 +239,8 @@ KDR_API kdr_build_def kdr_default_build_def(void);
 
 /* Plans made up for a purpose. */
 typedef enum kdr_quality {
-    KDR_QUALITY_FAST, /* the default: for a tree that is built again for every frame */
+    KDR_QUALITY_FAST,     /* for a tree that one picture's rays go through: larger leaves, built sooner */
+    KDR_QUALITY_BALANCED, /* the default: for a tree that several pictures' rays go through */
     KDR_QUALITY_BEST, /* for a tree that is built once: the sweep with triangles cut at planes, and splits taken back */
 } kdr_quality;
 

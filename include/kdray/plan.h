@@ -45,8 +45,9 @@ typedef enum kdr_event_form {
 
 /* What becomes of a primitive on both sides of a plane. */
 typedef enum kdr_straddle_rule {
+    KDR_STRADDLE_AUTO,    /* CLIP where the boxes of triangles are mostly empty, otherwise GENERAL */
     KDR_STRADDLE_GENERAL, /* its box is cut at the plane: works for every primitive */
-    KDR_STRADDLE_CLIP,    /* sweep: the triangle is cut, and goes only where it really is */
+    KDR_STRADDLE_CLIP,    /* the triangle is cut: each side sees the bounds of its part; sweep: by polygons, exactly */
 } kdr_straddle_rule;
 
 /* How single rays go through the tree; never changes an answer. All but AUTO ask every ray of every query alone. */
@@ -82,20 +83,21 @@ typedef struct kdr_build_def {
     kdr_axis_rule axis;
     kdr_order_rule order;
     kdr_share_rule share;
-    uint32_t share_count;       /* regions; 1 to KDR_MAX_SHARE_COUNT; 0 with KDR_SHARE_NONE */
-    kdr_event_form events;      /* sweep only */
-    kdr_straddle_rule straddle; /* CLIP: sweep only */
-    bool retract;               /* take back splits that did not pay, once the tree is built */
-    float box_weight;           /* sweep: how much of a plane's cost goes by the bounds of what lies on its two sides,
-                                   which the wide tree shows to rays, instead of the two parts of the cell; 0 to 1 */
-    float empty_bonus;          /* factor of the cost of triangle tests where a plane leaves one side empty: over 0, at
-                                   most 1; binned and sweep only. 0: 0.8 for sweep, 1 for binned */
-    float cost_traversal;       /* of one step through an interior node; > 0 */
-    float cost_intersection;    /* of one triangle test; > 0 */
-    uint32_t leaf_limit;   /* more primitives than this are split even where the heuristic would not; space, object:
-                              no more than this are never split. 0: 64 for binned and sweep, 8 for the others */
-    uint32_t depth_limit;  /* 0: 8 + 1.3 log2(primitives); at most KDR_MAX_DEPTH */
-    float reference_limit; /* references a primitive, over the whole tree, that splitting may use; >= 1 */
+    uint32_t share_count;  /* regions; 1 to KDR_MAX_SHARE_COUNT; 0 with KDR_SHARE_NONE */
+    kdr_event_form events; /* sweep only */
+    kdr_straddle_rule straddle;
+    bool retract;            /* take back splits that did not pay, once the tree is built */
+    float box_weight;        /* sweep: how much of a plane's cost goes by the bounds of what lies on its two sides,
+                                which the wide tree shows to rays, instead of the two parts of the cell; 0 to 1 */
+    float empty_bonus;       /* factor of the cost of triangle tests where a plane leaves one side empty: over 0, at
+                                most 1; binned and sweep only. 0: 0.8 for sweep, 1 for binned */
+    float cost_traversal;    /* of one step through an interior node; > 0 */
+    float cost_intersection; /* of one triangle test; > 0 */
+    uint32_t leaf_limit;     /* more primitives than this are split even where the heuristic would not; space, object:
+                                no more than this are never split. 0: 64 for binned and sweep, 8 for the others */
+    uint32_t depth_limit;    /* 0: 8 + 1.3 log2(primitives); at most KDR_MAX_DEPTH */
+    float reference_limit;   /* references a primitive, over the whole tree, that splitting may use; >= 1. 0: 4, or 8
+                                where the boxes of triangles are next to empty */
     kdr_trace_rule trace;
     kdr_nodes_rule nodes;
     kdr_mailbox_rule mailbox;

@@ -136,20 +136,23 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
         state.plan.depth_limit = 8 + (uint32_t)(1.3 * log2(count > 0 ? count : 1));
     if (state.plan.depth_limit > KDR_MAX_DEPTH)
         state.plan.depth_limit = KDR_MAX_DEPTH;
+    status = kdr_build_settle_straddle(&state, &root.references);
     double budget = (double)count * state.plan.reference_limit;
     root.budget = budget < KDR_NODE_MAX_INDEX ? (uint64_t)budget : KDR_NODE_MAX_INDEX;
 
     /* The root is the first node of the first pair; its sibling stays unused. */
     uint32_t pair;
-    if (!kdr_grow_pair(&state, &shop->workers[0], &pair)) {
+    if (status != KDR_OK || !kdr_grow_pair(&state, &shop->workers[0], &pair)) {
         kdr_bulk_put(shop->bulk, root.memory, root.memory_size);
-        return (kdr_status)atomic_load(&state.status);
+        kdr_build_release_corners(&state);
+        return status != KDR_OK ? status : (kdr_status)atomic_load(&state.status);
     }
     root.node = 2 * pair;
     *kdr_growing_node(shop, root.node) = *kdr_growing_node(shop, root.node + 1) = kdr_node_leaf(0, 0);
 
     kdr_box bounds = root.box;
     status = open_root(&state, &root);
+    kdr_build_release_corners(&state);
     if (status == KDR_OK && plan->retract) {
         kdr_build_retract(&state, &bounds);
         status = (kdr_status)atomic_load(&state.status);
@@ -165,7 +168,7 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
                      .cost_intersection = plan->cost_intersection,
                      .depth_limit = state.plan.depth_limit,
                      .flat_in_both = plan->split == KDR_SPLIT_SWEEP && plan->events == KDR_EVENTS_TWO,
-                     .clipped = plan->straddle == KDR_STRADDLE_CLIP && input->corners};
+                     .clipped = state.plan.straddle == KDR_STRADDLE_CLIP};
     status = kdr_build_layout(&state, &made);
     if (status == KDR_OK)
         *tree = made;

@@ -33,10 +33,11 @@ typedef struct kdr_build_kernels {
                   uint32_t *right);
 
     /* Appends them to `left` and `right` from the given places on, clipped to the plane and in order, and widens the
-     * two boxes to hold them. Nothing is written beyond what count says. */
+     * two boxes to hold them. Nothing is written beyond what count says. Where there are corners, nine floats for each
+     * primitive, those on both sides get the bounds of their triangle's parts. */
     void (*divide)(const kdr_references *from, uint32_t begin, uint32_t end, const kdr_split *split,
-                   const kdr_references *left, uint32_t left_at, const kdr_references *right, uint32_t right_at,
-                   kdr_box *left_box, kdr_box *right_box);
+                   const float *corners, const kdr_references *left, uint32_t left_at, const kdr_references *right,
+                   uint32_t right_at, kdr_box *left_box, kdr_box *right_box);
 
     /* Fills the table for references->count <= KDR_MASK_LIMIT. */
     void (*masks)(const kdr_references *references, kdr_mask_table *table);

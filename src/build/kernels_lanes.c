@@ -2,7 +2,7 @@
  * surface area heuristic of small nodes by bit masks. */
 #include "build/kernels.h"
 
-#include "geometry/lanes.h"
+#include "build/chop_lanes.h"
 
 /* A face of the bounds as a plane that cuts off empty space. */
 static void consider_face(kdr_split *best, float face, float rim, const kdr_box *cell, uint32_t axis, float plane,
@@ -203,9 +203,9 @@ KDR_LANES_INLINE void append(const kdr_references *to, uint32_t at, kdr_lane_bit
 }
 
 static void divide(const kdr_references *from, uint32_t begin, uint32_t end, const kdr_split *split,
-                   const kdr_references *left, uint32_t left_at, const kdr_references *right, uint32_t right_at,
-                   kdr_box *left_box, kdr_box *right_box) {
-    const uint32_t axis = split->axis;
+                   const float *corners, const kdr_references *left, uint32_t left_at, const kdr_references *right,
+                   uint32_t right_at, kdr_box *left_box, kdr_box *right_box) {
+    const uint32_t axis = split->axis, axes[3] = {axis, (axis + 1) % 3, (axis + 2) % 3};
     const kdr_lanes_f plane = kdr_lanes_all(split->plane);
     bounds left_bounds, right_bounds;
     bounds_clear(&left_bounds);
@@ -241,6 +241,19 @@ static void divide(const kdr_references *from, uint32_t begin, uint32_t end, con
 
         /* Send each lane left, right or both ways, clipped to the plane. */
         sides(lo[axis], hi[axis], split, valid, &l, &r);
+        if (corners && (l & r)) {
+            chop_boxes below = {{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}}, above = below;
+            chop_triangles triangles = chop_gather(corners, primitive, l & r, axes);
+            chop(&triangles, axes, split->plane, true, &below);
+            chop(&triangles, axes, split->plane, false, &above);
+            below.hi[axis] = kdr_lanes_min(hi[axis], plane);
+            above.lo[axis] = kdr_lanes_max(lo[axis], plane);
+            append(left, left_at, l, below.lo, below.hi, primitive, &left_bounds);
+            append(right, right_at, r, above.lo, above.hi, primitive, &right_bounds);
+            left_at += (uint32_t)__builtin_popcount(l);
+            right_at += (uint32_t)__builtin_popcount(r);
+            continue;
+        }
         if (l) {
             kdr_lanes_f whole = hi[axis];
             hi[axis] = kdr_lanes_min(whole, plane);

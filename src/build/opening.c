@@ -83,8 +83,9 @@ static void divide_range(void *context, size_t begin, size_t end, uint32_t worke
     const division *d = context;
     const kdr_opening *o = d->opening;
     size_t range = begin / KDR_PASS_GRAIN;
-    o->state->kernels->divide(&o->task->references, (uint32_t)begin, (uint32_t)end, d->split, &d->to[0], o->left[range],
-                              &d->to[1], o->right[range], &o->boxes[0][worker], &o->boxes[1][worker]);
+    o->state->kernels->divide(&o->task->references, (uint32_t)begin, (uint32_t)end, d->split, o->state->corners,
+                              &d->to[0], o->left[range], &d->to[1], o->right[range], &o->boxes[0][worker],
+                              &o->boxes[1][worker]);
 }
 
 /* Turns counts a range into places. */

@@ -7,24 +7,28 @@
 #define MEDIAN_LEAF_LIMIT 8 /* half a block of the widest lanes: medians never ask whether a leaf would do */
 #define SWEEP_BONUS 0.8f    /* as in the thesis */
 
+/* Least sum of building and of a picture's primary and shadow rays; more, up to half as much again, changes little. */
+#define FAST_TRAVERSAL 80
+#define FAST_LEAF_LIMIT 256
+
 kdr_build_def kdr_default_build_def(void) {
-    return (kdr_build_def){.size = sizeof(kdr_build_def),
-                           .events = KDR_EVENTS_TWO,
-                           .cost_traversal = 16,
-                           .cost_intersection = 1,
-                           .reference_limit = 4};
+    return (kdr_build_def){
+        .size = sizeof(kdr_build_def), .events = KDR_EVENTS_TWO, .cost_traversal = 16, .cost_intersection = 1};
 }
 
 kdr_build_def kdr_quality_build_def(kdr_quality quality) {
     kdr_build_def def = kdr_default_build_def();
-    if (quality != KDR_QUALITY_BEST)
-        return def;
-    def.split = KDR_SPLIT_SWEEP;
-    def.straddle = KDR_STRADDLE_CLIP;
-    def.retract = true;
-    def.box_weight = 0.9f;
-    def.empty_bonus = 1;
-    def.leaf_limit = 32;
+    if (quality == KDR_QUALITY_FAST) {
+        def.cost_traversal = FAST_TRAVERSAL;
+        def.leaf_limit = FAST_LEAF_LIMIT;
+    } else if (quality == KDR_QUALITY_BEST) {
+        def.split = KDR_SPLIT_SWEEP;
+        def.straddle = KDR_STRADDLE_CLIP;
+        def.retract = true;
+        def.box_weight = 0.8f;
+        def.empty_bonus = 1;
+        def.leaf_limit = 32;
+    }
     return def;
 }
 
@@ -53,8 +57,6 @@ const char *kdr_build_def_problem(const kdr_build_def *def) {
         return "three events are for the sweep only: split=binned, space and object have no events";
     if ((unsigned)def->straddle > KDR_STRADDLE_CLIP)
         return "straddle must be one of kdr_straddle_rule";
-    if (def->straddle == KDR_STRADDLE_CLIP && !sweep)
-        return "only the sweep clips triangles: straddle=clip goes with split=sweep";
     if (!(def->box_weight >= 0 && def->box_weight <= 1))
         return "box_weight must be from 0 to 1";
     if (def->box_weight > 0 && !sweep)
@@ -69,8 +71,9 @@ const char *kdr_build_def_problem(const kdr_build_def *def) {
         return "cost_intersection must be over 0 and at most 1,000,000";
     if (def->depth_limit > KDR_MAX_DEPTH)
         return "depth_limit must be at most 60";
-    if (!(def->reference_limit >= 1 && (double)def->reference_limit <= KDR_PLAN_COST_LIMIT))
-        return "reference_limit must be at least 1 and at most 1,000,000";
+    if (def->reference_limit != 0 &&
+        !(def->reference_limit >= 1 && (double)def->reference_limit <= KDR_PLAN_COST_LIMIT))
+        return "reference_limit must be 0, for the default, or at least 1 and at most 1,000,000";
     if ((unsigned)def->trace > KDR_TRACE_BACKTRACK)
         return "trace must be one of kdr_trace_rule";
     if ((unsigned)def->nodes > KDR_NODES_ARRAYS)

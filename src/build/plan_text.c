@@ -20,13 +20,13 @@ typedef struct key_choice {
     int count;
 } key_choice;
 
-static const char *const quality_names[] = {"fast", "best"};
+static const char *const quality_names[] = {"fast", "balanced", "best"};
 static const char *const split_names[] = {"binned", "space", "object", "sweep"};
 static const char *const axis_names[] = {"", "best", "longest", "robin"};
 static const char *const order_names[] = {"dfs", "bfs"};
 static const char *const share_names[] = {"none", "serial", "line", "grid", "cluster"};
 static const char *const event_names[] = {"", "", "2", "3"};
-static const char *const straddle_names[] = {"general", "clip"};
+static const char *const straddle_names[] = {"auto", "general", "clip"};
 static const char *const trace_names[] = {"auto", "stack", "restart", "push-down", "short-stack", "backtrack"};
 static const char *const nodes_names[] = {"structures", "arrays"};
 static const char *const mailbox_names[] = {"0", "8", "16", "32", "64"};
@@ -43,15 +43,16 @@ typedef struct plan_key {
     key_choice choice;
     double min, max;
     bool above_min; /* min itself is not allowed */
+    bool or_zero;   /* 0 is allowed beside what is from min to max */
 } plan_key;
 
 static const plan_key keys[] = {
     {.name = "quality",
-     .allowed = "fast or best",
-     .text = "fast|best, default fast: every other key as it suits a tree that is built for every frame, or once; it "
-             "counts before all others",
+     .allowed = "fast, balanced or best",
+     .text = "fast|balanced|best, default balanced: every other key as it suits a tree that serves one picture, a few, "
+             "or many; it counts before all others",
      .kind = KEY_QUALITY,
-     .choice = {quality_names, 2}},
+     .choice = {quality_names, 3}},
     {.name = "split",
      .allowed = "binned, space, object or sweep",
      .text = "binned|space|object|sweep, default binned: where the surface area heuristic says, by bins; the middle of "
@@ -89,12 +90,12 @@ static const plan_key keys[] = {
      .kind = KEY_CHOICE,
      .choice = {event_names, 4}},
     {.name = "straddle",
-     .allowed = "general or clip",
-     .text = "general|clip, default general: cut the boxes of triangles on both sides of a plane, or, for sweep, the "
-             "triangles",
+     .allowed = "auto, general or clip",
+     .text = "auto|general|clip, default auto: where triangles are on both sides of a plane, cut their boxes, or the "
+             "triangles, or these where boxes are mostly empty",
      .offset = offsetof(kdr_build_def, straddle),
      .kind = KEY_CHOICE,
-     .choice = {straddle_names, 2}},
+     .choice = {straddle_names, 3}},
     {.name = "retract",
      .allowed = "no or yes",
      .text = "no|yes, default no: take back splits that did not pay, once the tree is built",
@@ -147,10 +148,11 @@ static const plan_key keys[] = {
      .kind = KEY_WHOLE,
      .max = KDR_MAX_DEPTH},
     {.name = "reference-limit",
-     .allowed = "a number from 1 to 1e+06",
-     .text = "1 to 1e+06, default 4: most references a triangle",
+     .allowed = "0 or a number from 1 to 1e+06",
+     .text = "1 to 1e+06, default 0: most references a triangle; 0 is 4, or 8 where boxes are next to empty",
      .offset = offsetof(kdr_build_def, reference_limit),
      .kind = KEY_REAL,
+     .or_zero = true,
      .min = 1,
      .max = KDR_PLAN_COST_LIMIT},
     {.name = "trace",
@@ -275,6 +277,8 @@ static bool read_value(const plan_key *key, const char *text, size_t length, rea
     /* Rounding must not lead out of the range either. */
     float real = value <= key->max ? (float)value : INFINITY;
     memcpy(to, &real, sizeof real);
+    if (key->or_zero && real == 0)
+        return true;
     return (double)real <= key->max && (key->above_min ? (double)real > key->min : (double)real >= key->min);
 }
 
@@ -337,7 +341,7 @@ kdr_status kdr_build_def_parse(const char *text, kdr_build_def *out, char *probl
         return KDR_ERROR_INVALID_ARGUMENT;
     }
     /* Read it twice: the quality counts before all else, wherever it stands. */
-    reading r = {.quality = KDR_QUALITY_FAST};
+    reading r = {.quality = KDR_QUALITY_BALANCED};
     locale_t plain, before = enter_plain_locale(&plain);
     bool parsed = true;
     for (int i = 0; i < 2 && parsed; i++) {

@@ -59,6 +59,8 @@ typedef struct kdr_build_state {
     const struct kdr_order *order;
     const struct kdr_share *share;
     kdr_plan plan;
+    const float *corners; /* nine a primitive, where triangles are cut as references are divided; otherwise NULL */
+    size_t corners_size;
     uint32_t level;     /* breadth first: 0 or 1, by turns */
     _Atomic int status; /* the first failure; workers stop when it is not KDR_OK */
 } kdr_build_state;
@@ -84,6 +86,11 @@ static inline uint32_t *kdr_growing_ids(const kdr_workshop *shop, uint32_t first
 
 /* ---- gather.c: the root's references. On failure nothing is held. */
 kdr_status kdr_build_gather(kdr_build_state *state, kdr_build_task *root, kdr_input_counts *counts);
+
+/* ---- straddle.c: settles what the plan leaves open about triangles on both sides of planes and the limit of
+ * references, and gets the corners that divisions need. */
+kdr_status kdr_build_settle_straddle(kdr_build_state *state, const kdr_references *root);
+void kdr_build_release_corners(kdr_build_state *state);
 
 /* ---- grow.c: the only writer of nodes. False, and the state says why, when memory or numbers run out. */
 bool kdr_grow_pair(kdr_build_state *state, kdr_build_worker *worker, uint32_t *pair);

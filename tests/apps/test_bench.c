@@ -418,7 +418,7 @@ static void build_constants_reach_the_builder(void **state) {
     static char text[TEXT_SIZE];
     read_text("b.csv", text);
     assert_non_null(
-        strstr(text, "# plan: split=binned axis=best order=dfs share=none events=2 straddle=general retract=no "
+        strstr(text, "# plan: split=binned axis=best order=dfs share=none events=2 straddle=auto retract=no "
                      "box-weight=0 empty-bonus=1 traversal-cost=2.5 intersection-cost=1.5 "
                      "leaf-limit=2000 depth-limit=1 reference-limit=1.25 trace=auto nodes=structures mailbox=0\n"));
     read_csv("b.csv", &csv);

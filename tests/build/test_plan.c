@@ -17,10 +17,10 @@
 #define TRACED " trace=auto nodes=structures mailbox=0"
 
 /* What stands between the axis and the costs where nothing is said of it. */
-#define BETWEEN "order=dfs share=none events=2 straddle=general retract=no box-weight=0 empty-bonus=1 "
+#define BETWEEN "order=dfs share=none events=2 straddle=auto retract=no box-weight=0 empty-bonus=1 "
 #define USUAL                                                                                                          \
     "split=binned axis=best " BETWEEN                                                                                  \
-    "traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 reference-limit=4" TRACED
+    "traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 reference-limit=0" TRACED
 
 static kdr_build_def parsed(const char *text) {
     kdr_build_def def;
@@ -72,11 +72,11 @@ static void keys_are_read_in_any_order_and_what_is_left_out_has_its_default(void
     assert_reads_as("depth-limit=60 leaf-limit=4294967295 intersection-cost=1e-3 traversal-cost=1e6",
                     "split=binned axis=best " BETWEEN
                     "traversal-cost=1e+06 intersection-cost=0.001 leaf-limit=4294967295 "
-                    "depth-limit=60 reference-limit=4" TRACED);
+                    "depth-limit=60 reference-limit=0" TRACED);
     assert_reads_as("mailbox=16 nodes=arrays trace=restart",
                     "split=binned axis=best " BETWEEN
                     "traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 "
-                    "reference-limit=4 trace=restart nodes=arrays mailbox=16");
+                    "reference-limit=0 trace=restart nodes=arrays mailbox=16");
 }
 
 static void the_sweep_has_a_bonus_and_best_quality_is_a_sweep_with_all_its_arts(void **state) {
@@ -84,12 +84,15 @@ static void the_sweep_has_a_bonus_and_best_quality_is_a_sweep_with_all_its_arts(
     assert_reads_as("split=sweep events=3 straddle=clip order=bfs",
                     "split=sweep axis=best order=bfs share=none events=3 straddle=clip retract=no box-weight=0 "
                     "empty-bonus=0.8 traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 "
-                    "reference-limit=4" TRACED);
+                    "reference-limit=0" TRACED);
     static const char best[] = "split=sweep axis=best order=dfs share=none events=2 straddle=clip retract=yes "
-                               "box-weight=0.9 empty-bonus=1 traversal-cost=16 intersection-cost=1 leaf-limit=32 "
-                               "depth-limit=0 reference-limit=4" TRACED;
+                               "box-weight=0.8 empty-bonus=1 traversal-cost=16 intersection-cost=1 leaf-limit=32 "
+                               "depth-limit=0 reference-limit=0" TRACED;
     assert_reads_as("quality=best", best);
-    assert_reads_as("quality=fast", USUAL);
+    assert_reads_as("quality=balanced", USUAL);
+    assert_reads_as("quality=fast", "split=binned axis=best " BETWEEN
+                                    "traversal-cost=80 intersection-cost=1 leaf-limit=256 depth-limit=0 "
+                                    "reference-limit=0" TRACED);
     kdr_build_def def = kdr_quality_build_def(KDR_QUALITY_BEST);
     assert_string_equal(printed(&def), best);
     def = kdr_quality_build_def((kdr_quality)77);
@@ -123,7 +126,6 @@ static void pairs_that_cannot_be_are_refused_with_a_sentence(void **state) {
     (void)state;
     static const char *const pairs[][2] = {
         {"events=3", "three events are for the sweep only: split=binned, space and object have no events"},
-        {"split=space straddle=clip", "only the sweep clips triangles: straddle=clip goes with split=sweep"},
         {"box-weight=0.5", "only the sweep weighs boxes: box-weight goes with split=sweep"},
         {"quality=best split=binned straddle=general box-weight=1",
          "only the sweep weighs boxes: box-weight goes with split=sweep"},
@@ -146,7 +148,7 @@ static void medians_have_defaults_of_their_own(void **state) {
         snprintf(text, sizeof text, "split=%s", splits[i]);
         snprintf(expected, sizeof expected,
                  "split=%s axis=longest " BETWEEN "traversal-cost=16 intersection-cost=1 leaf-limit=8 depth-limit=0 "
-                 "reference-limit=4" TRACED,
+                 "reference-limit=0" TRACED,
                  splits[i]);
         assert_reads_as(text, expected);
     }
@@ -186,8 +188,8 @@ static void wrong_words_are_refused_with_a_sentence_that_names_them(void **state
         {"events=4", "events", "2 or 3", "4"},
         {"events=", "events", "2 or 3", ""},
         {"retract=maybe", "retract", "no or yes", "maybe"},
-        {"straddle=cut", "straddle", "general or clip", "cut"},
-        {"quality=good", "quality", "fast or best", "good"},
+        {"straddle=cut", "straddle", "auto, general or clip", "cut"},
+        {"quality=good", "quality", "fast, balanced or best", "good"},
         {"box-weight=-0.1", "box-weight", "a number from 0 to 1", "-0.1"},
         {"empty-bonus=0", "empty-bonus", "a number above 0 and at most 1", "0"},
         {"axis=x", "axis", "best, longest or robin", "x"},
@@ -209,7 +211,7 @@ static void wrong_words_are_refused_with_a_sentence_that_names_them(void **state
         {"leaf-limit=-1", "leaf-limit", whole, "-1"},
         {"leaf-limit=", "leaf-limit", whole, ""},
         {"depth-limit=61", "depth-limit", "a whole number from 0 to 60", "61"},
-        {"reference-limit=0.99", "reference-limit", "a number from 1 to 1e+06", "0.99"},
+        {"reference-limit=0.99", "reference-limit", "0 or a number from 1 to 1e+06", "0.99"},
         {"trace=best", "trace", traces, "best"},
         {"trace=", "trace", traces, ""},
         {"trace=push", "trace", traces, "push"},
@@ -331,9 +333,9 @@ static void what_is_printed_is_read_back_to_the_bit(void **state) {
         def.share_count = def.share == KDR_SHARE_NONE ? 0 : 1 + test_random_below(&random, KDR_MAX_SHARE_COUNT);
         def.retract = test_random_below(&random, 2) > 0;
         def.empty_bonus = 1;
+        def.straddle = (kdr_straddle_rule)test_random_below(&random, 3);
         if (def.split == KDR_SPLIT_SWEEP) {
             def.events = (kdr_event_form)(2 + test_random_below(&random, 2));
-            def.straddle = (kdr_straddle_rule)test_random_below(&random, 2);
             def.box_weight = test_random_float(&random);
             def.empty_bonus = any_between(&random, 1e-3f, 1);
         }

@@ -115,11 +115,12 @@ static void every_instruction_set_builds_the_tree_of_every_plan(void **state) {
     (void)state;
     test_random random = test_random_start(test_random_seed(), 300);
     soup_scene soup = soup_scene_create_kind(&random, soup_kind_find("mixed scales"), 2000);
-    uint64_t hashes[SPLITS * AXES] = {0};
+    uint64_t hashes[2 * SPLITS * AXES] = {0};
     for (int isa = KDR_ISA_SCALAR; isa <= KDR_ISA_NEON; isa++) {
         kdr_device *device = device_of_isa((kdr_isa)isa, 1, NULL);
-        for (int plan = 0; device && plan < SPLITS * AXES; plan++) {
-            kdr_build_def def = plan_of(plan / AXES, plan % AXES);
+        for (int plan = 0; device && plan < 2 * SPLITS * AXES; plan++) {
+            kdr_build_def def = plan_of(plan / 2 / AXES, plan / 2 % AXES);
+            def.straddle = plan % 2 == 0 ? KDR_STRADDLE_GENERAL : KDR_STRADDLE_CLIP;
             kdr_scene *scene = committed_scene(device, soup.geometries, SOUP_GEOMETRIES, &def);
             if (hashes[plan] == 0)
                 hashes[plan] = kdr_scene_hash(scene);

@@ -41,7 +41,8 @@ static void assert_numbers_fit(const kdr_tree_stats *stats, const kdr_build_def 
     double limit = def->depth_limit > 0 ? def->depth_limit : 8 + 1.3 * log2(fmax((double)stats->triangle_count, 1));
     assert_true(stats->depth <= limit);
     assert_true(stats->reference_count >= stats->triangle_count);
-    assert_true((double)stats->reference_count <= (double)def->reference_limit * (double)stats->triangle_count);
+    double references_each = def->reference_limit > 0 ? (double)def->reference_limit : 8;
+    assert_true((double)stats->reference_count <= references_each * (double)stats->triangle_count);
     assert_true(isfinite(stats->cost) && stats->cost >= 0);
     assert_true(stats->build_seconds >= 0);
 }

@@ -10,8 +10,8 @@
 #define COUNT(rows) (sizeof(rows) / sizeof(rows)[0])
 
 const char *const split_rows[] = {"split=binned",
-                                  "split=binned empty-bonus=0.5 retract=yes",
-                                  "split=space",
+                                  "split=binned empty-bonus=0.5 retract=yes straddle=clip",
+                                  "split=space straddle=clip",
                                   "split=object",
                                   "split=sweep",
                                   "split=sweep events=3",
