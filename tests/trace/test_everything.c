@@ -50,9 +50,12 @@ static void every_traversal_answers_as_the_oracle_over_trees_of_every_builder(vo
     trace_report report = {0};
     test_random random = test_random_start(test_random_seed(), 999);
     const size_t builders = split_row_count * share_row_count * (test_is_long() ? axis_row_count : 1);
-    for (size_t i = 0; i < builders; i++)
+    for (size_t i = 0; i < builders; i++) {
+        if (test_is_long() && i % 25 == 0)
+            print_message("%zu of %zu builders, %zu scenes\n", i, builders, report.scenes);
         if (test_is_long() || test_random_below(&random, (uint32_t)builders) < TEST_SIZE(builders))
             hold_builder(i, &report);
+    }
     print_message("%zu scenes, %zu rays, %zu hits\n", report.scenes, report.rays, report.hits);
     assert_true(report.scenes >= 2 * trace_row_count);
     assert_true(report.hits > report.rays / 10);
