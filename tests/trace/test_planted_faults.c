@@ -132,10 +132,10 @@ static void packet_without_a_lane(const kdr_tree *tree, const kdr_packet_rays *r
 }
 
 /* Packets are of 64 rays in calls for many, and of 16 at most else. */
-static void packet_without_a_late_lane(const kdr_tree *tree, const kdr_packet_rays *rays, kdr_packet_found *found) {
+static void packet_without_late_lanes(const kdr_tree *tree, const kdr_packet_rays *rays, kdr_packet_found *found) {
     true_table->packet_closest(tree, rays, found);
-    if (rays->count > 40)
-        found->primitive[40] = UINT32_MAX;
+    for (uint32_t i = 40; i < rays->count; i++)
+        found->primitive[i] = UINT32_MAX;
 }
 
 static void packet_with_mixed_lanes(const kdr_tree *tree, const kdr_packet_rays *rays, kdr_packet_found *found) {
@@ -175,7 +175,7 @@ typedef struct packet_fault {
 
 static const packet_fault packet_faults[] = {
     {"packet without a lane", packet_without_a_lane, NULL},
-    {"packet without a late lane", packet_without_a_late_lane, NULL},
+    {"packet without late lanes", packet_without_late_lanes, NULL},
     {"packet with mixed lanes", packet_with_mixed_lanes, NULL},
     {"packet with one end", packet_with_one_end, NULL},
     {"any hit without a lane", NULL, any_without_a_lane},
@@ -202,11 +202,11 @@ static void intersect_n_without_the_last(const kdr_scene *scene, const kdr_trace
     kdr_intersect_n(scene, def, ray_hits, count % 16 == 1 ? count - 1 : count);
 }
 
-static void occluded_n_of_the_first_if_coherent(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays,
-                                                uint8_t *occluded, size_t count) {
+static void occluded_n_of_the_ray_before_if_coherent(const kdr_scene *scene, const kdr_trace_def *def,
+                                                     const kdr_ray *rays, uint8_t *occluded, size_t count) {
     kdr_occluded_n(scene, def, rays, occluded, count);
-    if (def && def->coherence == KDR_COHERENCE_COHERENT && count > 1)
-        occluded[1] = occluded[0];
+    for (size_t i = 1; i < count && def && def->coherence == KDR_COHERENCE_COHERENT; i += 2)
+        occluded[i] = occluded[i - 1];
 }
 
 static void occluded_n_behind_the_last(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays,
@@ -284,15 +284,16 @@ static void spoil(kdr_scene *scene) {
 
 static trace_report walk(const trace_fault *fault) {
     trace_report report = {0};
-    trace_case asked = {.kind = soup_kind_find("large"),
-                        .triangles = 40,
-                        .rays = 256,
+    // Few triangles that hide little of one another, so that every one of them is the only hit of some ray.
+    trace_case asked = {.kind = soup_kind_find("small"),
+                        .triangles = 10,
+                        .rays = 512,
                         .sequence = 800,
                         .split = "split=binned",
                         .axis = "",
                         .share = "",
                         .order = "",
-                        .costs = "traversal-cost=0.5 leaf-limit=2"};
+                        .costs = "traversal-cost=0.1 leaf-limit=1"};
     trace_check(&asked, fault, &report);
     return report;
 }
@@ -337,7 +338,7 @@ static void a_fault_in_a_packet_is_found(void **state) {
         planted_packet = &packet_faults[i];
         trace_report report = walk(&fault);
         uint32_t isas = report.isas;
-        if (packet_faults[i].closest == packet_without_a_late_lane)
+        if (packet_faults[i].closest == packet_without_late_lanes)
             isas &= ~(1u << KDR_ISA_SCALAR); // which has no wide tree, and asks rays of a call one by one
         hold_found(&report, 0, isas, packet_faults[i].name);
     }
@@ -352,7 +353,7 @@ static void a_fault_in_a_query_is_found(void **state) {
         {{.intersect1 = intersect1_with_another_id}, "intersect1"},
         {{.intersect_n = intersect_n_behind_the_last}, "intersect_n, behind the last"},
         {{.intersect_n = intersect_n_without_the_last}, "intersect_n"},
-        {{.occluded_n = occluded_n_of_the_first_if_coherent}, "occluded_n, coherent"},
+        {{.occluded_n = occluded_n_of_the_ray_before_if_coherent}, "occluded_n, coherent"},
         {{.occluded_n = occluded_n_behind_the_last}, "occluded_n, behind the last"},
         {{.occluded_n = occluded_n_that_says_two}, "occluded_n"},
         {{.intersect_packet = intersect8_in_a_lane_that_is_not_active}, "intersect8, a lane that is not active"},
