@@ -38,7 +38,7 @@ static void hold_builder(size_t i, trace_report *report) {
                         .is_whole = test_is_long()};
     if (test_is_long()) {
         asked.triangles = kind->count;
-        asked.rays = kind->is_exact ? 64 : 192;
+        asked.rays = kind->is_exact ? 32 : 96;
     }
     trace_check(&asked, NULL, report);
     if (report->wrong_scenes > 0)
