@@ -263,6 +263,9 @@ static void no_ray_leaves_by_any_traversal_or_in_any_packet(void **state) {
         for (int isa = KDR_ISA_SCALAR; isa <= KDR_ISA_NEON; isa++) {
             kdr_device *device = device_of_isa((kdr_isa)isa, 0, NULL);
             for (size_t row = 0; device && row < trace_row_count; row++) {
+                // Where every step costs many times more, each traversal has one mesh of three on an instruction set.
+                if (TEST_SIZE(10) == 1 && (m + row + (size_t)isa) % 3 != 0)
+                    continue;
                 char plan[100], label[160];
                 kdr_build_def def;
                 // Leaves of few triangles: more cells, and more planes to slip through between them.
@@ -280,7 +283,7 @@ static void no_ray_leaves_by_any_traversal_or_in_any_packet(void **state) {
         }
         closed_mesh_destroy(&meshes[m]);
     }
-    assert_true(scenes >= 3 * trace_row_count);
+    assert_true(scenes >= trace_row_count);
 }
 
 /* The plane z = 0 cuts the torus along edges, and trees along that plane: such rays run between two cells all the way,
