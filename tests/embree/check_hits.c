@@ -25,9 +25,10 @@ static const char *const scene_names[] = {"bunny",  "dragon", "kitchen", "sponza
 #define SCENES (sizeof scene_names / sizeof scene_names[0])
 
 typedef struct request {
-    uint32_t side;  /* of the picture */
-    uint32_t every; /* of the rays on which all agree, one in so many is settled */
-    FILE *csv;      /* NULL: none */
+    uint32_t side;    /* of the picture */
+    uint32_t every;   /* of the rays on which all agree, one in so many is settled */
+    uint32_t threads; /* 0: as many as the machine allows */
+    FILE *csv;        /* NULL: none */
 } request;
 
 typedef struct tally {
@@ -174,7 +175,9 @@ static bool compare_scene(const request *asked, const char *stem, tally *total, 
     kdr_bench_scene scene = {.width = asked->side, .height = asked->side};
     snprintf(scene.name, sizeof scene.name, "%s", slash ? slash + 1 : stem);
     snprintf(path, sizeof path, "%s%s", stem, builtin ? "" : ".ply");
-    if (kdr_mesh_read(path, &logger, &mesh) != KDR_OK || kdr_device_create(NULL, &scene.device) != KDR_OK) {
+    kdr_device_def def = kdr_default_device_def();
+    def.worker_count = asked->threads;
+    if (kdr_mesh_read(path, &logger, &mesh) != KDR_OK || kdr_device_create(&def, &scene.device) != KDR_OK) {
         kdr_mesh_destroy(mesh);
         return false;
     }
@@ -182,12 +185,12 @@ static bool compare_scene(const request *asked, const char *stem, tally *total, 
     hit_tracers *tracers = choose_view(&scene, stem) ? hit_tracers_open(scene.device, mesh) : NULL;
     bool done = tracers != NULL;
     if (done) {
-        kdr_triangles_def def = kdr_default_triangles_def();
-        def.vertices = mesh->positions;
-        def.vertex_count = mesh->vertex_count;
-        def.indices = mesh->indices;
-        def.triangle_count = mesh->triangle_count;
-        oracle_scene oracle = oracle_scene_create(&def, 1);
+        kdr_triangles_def triangles = kdr_default_triangles_def();
+        triangles.vertices = mesh->positions;
+        triangles.vertex_count = mesh->vertex_count;
+        triangles.indices = mesh->indices;
+        triangles.triangle_count = mesh->triangle_count;
+        oracle_scene oracle = oracle_scene_create(&triangles, 1);
         oracle_tree tree = oracle_tree_create(&oracle);
         done = compare_rays(asked, &scene, tracers, &tree, total, total_rays);
         oracle_tree_destroy(&tree);
@@ -226,12 +229,13 @@ static bool write_head(const request *asked) {
 }
 
 static const char help[] =
-    "usage: check_hits [--side N] [--every N] [--csv FILE] [SCENE...]\n\n"
+    "usage: check_hits [--side N] [--every N] [--threads N] [--csv FILE] [SCENE...]\n\n"
     "Counts wrong hits of kdray and Embree on the rays of kdray bench, settled by exact arithmetic. A SCENE is a .ply\n"
     "file without its ending, or builtin:NAME[:TRIANGLES]. Without one: six scenes of the folder KDRAY_SCENES.\n"
     "Exit status: 0 kdray is right everywhere, 1 it is not or something failed, 2 wrong usage.\n\n"
     "  --side N     picture of N x N pixels, 8 to 4096, default 1024\n"
     "  --every N    settle one in N of the rays on which all agree, default 100; 1: every ray\n"
+    "  --threads N  as many threads, 1 to 256; default: as many as the machine allows\n"
     "  --csv FILE   write the counts as comma separated values\n";
 
 static bool read_number(const char *text, long least, long most, uint32_t *out) {
@@ -300,6 +304,8 @@ int main(int count, char **words) {
             fits = read_number(words[1], 8, 4096, &asked.side);
         else if (strcmp(words[0], "--every") == 0)
             fits = read_number(words[1], 1, 1000000000, &asked.every);
+        else if (strcmp(words[0], "--threads") == 0)
+            fits = read_number(words[1], 1, 256, &asked.threads);
         else if (strcmp(words[0], "--csv") == 0)
             csv = words[1];
         else
