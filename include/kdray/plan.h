@@ -76,6 +76,15 @@ typedef enum kdr_mailbox_rule {
     KDR_MAILBOX_64,
 } kdr_mailbox_rule;
 
+/* How a ray is tested against a triangle. All but WATERTIGHT are for comparing methods, not with KDR_TRACE_AUTO: they
+ * work in floats, so rays may pass between two triangles that share an edge, and distances and weights have the
+ * roundings of floats. */
+typedef enum kdr_triangle_test {
+    KDR_TEST_WATERTIGHT,      /* as exact arithmetic would: see kdr_intersect1 */
+    KDR_TEST_MOLLER_TRUMBORE, /* from the corners */
+    KDR_TEST_PROJECTION, /* precomputed planes and edges along one axis, distance first: 40 bytes a reference more */
+} kdr_triangle_test;
+
 /* How the tree is built and traced: the plan. Costs are relative costs of the surface area heuristic. */
 typedef struct kdr_build_def {
     size_t size; /* set by kdr_default_build_def */
@@ -101,6 +110,7 @@ typedef struct kdr_build_def {
     kdr_trace_rule trace;
     kdr_nodes_rule nodes;
     kdr_mailbox_rule mailbox;
+    kdr_triangle_test test;
 } kdr_build_def;
 
 #endif

@@ -85,6 +85,10 @@ const char *kdr_build_def_problem(const kdr_build_def *def) {
         return "nodes=arrays goes with trace=stack or trace=restart";
     if (def->mailbox != KDR_MAILBOX_NONE && def->trace == KDR_TRACE_AUTO)
         return "a mailbox goes with a traversal by name, not with trace=auto";
+    if ((unsigned)def->test > KDR_TEST_PROJECTION)
+        return "test must be one of kdr_triangle_test";
+    if (def->test != KDR_TEST_WATERTIGHT && def->trace == KDR_TRACE_AUTO)
+        return "another triangle test goes with a traversal by name, not with trace=auto";
     return NULL;
 }
 
@@ -107,7 +111,8 @@ kdr_plan kdr_plan_of(const kdr_build_def *def) {
                      .reference_limit = def->reference_limit,
                      .trace = def->trace,
                      .nodes = def->nodes,
-                     .mailbox = def->mailbox};
+                     .mailbox = def->mailbox,
+                     .test = def->test};
     if (plan.axis == KDR_AXIS_DEFAULT)
         plan.axis = weighs ? KDR_AXIS_BEST : KDR_AXIS_LONGEST;
     if (plan.leaf_limit == 0)

@@ -30,6 +30,7 @@ static const char *const straddle_names[] = {"auto", "general", "clip"};
 static const char *const trace_names[] = {"auto", "stack", "restart", "push-down", "short-stack", "backtrack"};
 static const char *const nodes_names[] = {"structures", "arrays"};
 static const char *const mailbox_names[] = {"0", "8", "16", "32", "64"};
+static const char *const test_names[] = {"watertight", "moller-trumbore", "projection"};
 static const char *const bool_names[] = {"no", "yes"};
 
 /* How a key's value is held in a def: as a word of a list, a whole number or a real one. */
@@ -176,6 +177,14 @@ static const plan_key keys[] = {
      .offset = offsetof(kdr_build_def, mailbox),
      .kind = KEY_CHOICE,
      .choice = {mailbox_names, 5}},
+    {.name = "test",
+     .allowed = "watertight, moller-trumbore or projection",
+     .text = "watertight|moller-trumbore|projection, default watertight: test triangles exactly, or, not with "
+             "trace=auto, in "
+             "floats: from corners, or from precomputed projections",
+     .offset = offsetof(kdr_build_def, test),
+     .kind = KEY_CHOICE,
+     .choice = {test_names, 3}},
 };
 enum { KEY_COUNT = sizeof keys / sizeof keys[0] };
 

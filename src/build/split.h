@@ -30,9 +30,10 @@ typedef struct kdr_plan {
     float empty_bonus; /* factor of the cost of a plane that cuts off empty space */
     uint32_t leaf_limit, depth_limit;
     float reference_limit;
-    kdr_trace_rule trace; /* this and the next two: of no concern to the builder */
+    kdr_trace_rule trace; /* this and the next three: of no concern to the builder */
     kdr_nodes_rule nodes;
     kdr_mailbox_rule mailbox;
+    kdr_triangle_test test;
     bool wide; /* add the wide tree */
 } kdr_plan;
 

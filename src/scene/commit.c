@@ -4,6 +4,7 @@
 #include "scene/scene.h"
 #include "tree/node_arrays.h"
 #include "tree/node_links.h"
+#include "tree/projections.h"
 
 #include <string.h>
 
@@ -14,7 +15,7 @@ static bool same_build(const kdr_plan *a, const kdr_plan *b) {
            a->cost_traversal == b->cost_traversal && a->cost_intersection == b->cost_intersection &&
            a->leaf_limit == b->leaf_limit && a->depth_limit == b->depth_limit &&
            a->reference_limit == b->reference_limit && a->trace == b->trace && a->nodes == b->nodes &&
-           a->mailbox == b->mailbox;
+           a->mailbox == b->mailbox && a->test == b->test;
 }
 
 /* Numbers the triangles of all geometries; NULL when there is no memory or the total is over the limit. */
@@ -62,8 +63,10 @@ static kdr_status fail_invalid(const kdr_scene *scene, uint64_t invalid) {
 /* Makes what the plan's traversal wants beside the nodes. On failure what was made is the tree's. */
 static kdr_status add_annexes(kdr_device *device, const kdr_plan *plan, kdr_tree *tree) {
     tree->mailbox_size = plan->mailbox == KDR_MAILBOX_NONE ? 0 : 4u << plan->mailbox;
+    tree->test = plan->test;
     bool made = (plan->trace != KDR_TRACE_BACKTRACK || kdr_tree_add_links(tree, &device->bulk)) &&
-                (plan->nodes != KDR_NODES_ARRAYS || kdr_tree_add_arrays(tree, &device->bulk));
+                (plan->nodes != KDR_NODES_ARRAYS || kdr_tree_add_arrays(tree, &device->bulk)) &&
+                (plan->test != KDR_TEST_PROJECTION || kdr_tree_add_projections(tree, &device->bulk));
     return made ? KDR_OK : KDR_ERROR_OUT_OF_MEMORY;
 }
 

@@ -1,4 +1,5 @@
-/* Traversals of the kd-tree by name, with and without a mailbox, and over nodes in both layouts: a loop for each. */
+/* Traversals of the kd-tree by name, with and without a mailbox, and over nodes in both layouts: a loop for each, with
+ * every triangle test. */
 #include "trace/lone_lanes.h"
 
 KDR_WALK_IN_DOUBLE(stack_in_double, double_stack)
@@ -18,6 +19,7 @@ KDR_LANES_INLINE bool find(kdr_search s, const kdr_tree *tree, const kdr_ray *ra
     kdr_closest closest;
     kdr_mailbox mailbox;
     s.tree = tree;
+    s.quick = true;
     s.any = any;
     s.closest = any ? NULL : &closest;
     s.mailbox = mailed ? &mailbox : NULL;

@@ -3,6 +3,7 @@
 #ifndef KDR_TRACE_SEARCH_LANES_H
 #define KDR_TRACE_SEARCH_LANES_H
 
+#include "trace/quick_lanes.h"
 #include "trace/trace.h"
 #include "tree/block_lanes.h"
 #include "tree/node_arrays.h"
@@ -13,6 +14,7 @@ typedef struct kdr_search {
     float tmin, tmax;
     kdr_trace_rule trace;
     bool arrays, any;
+    bool quick;           /* by the tree's triangle test, if that is another than the exact one */
     kdr_mailbox *mailbox; /* NULL: none */
     kdr_closest *closest; /* NULL for any hit */
 } kdr_search;
@@ -26,6 +28,12 @@ KDR_LANES_INLINE bool kdr_search_leaf(const kdr_search s, kdr_node leaf) {
     if (kdr_node_count(leaf) == 0)
         return false;
     kdr_block block = kdr_block_of(s.tree->blocks, leaf);
+    if (s.quick && s.tree->test != KDR_TEST_WATERTIGHT) {
+        if (s.any)
+            return quick_any(s.tree, block, s.frame, s.tmin, s.tmax, s.mailbox);
+        quick_closest(s.tree, block, s.frame, s.tmin, s.mailbox, s.closest);
+        return false;
+    }
     if (s.any)
         return kdr_block_any_new(block, s.frame, s.tmin, s.tmax, s.mailbox);
     kdr_block_closest_new(block, s.frame, s.tmin, s.mailbox, s.closest);

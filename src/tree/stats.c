@@ -38,7 +38,7 @@ void kdr_tree_count(const kdr_tree *tree, kdr_tree_stats *out) {
                             .dropped_count = tree->dropped_count,
                             .degenerate_count = tree->degenerate_count,
                             .node_bytes = tree->node_bytes + tree->wide_bytes + tree->arrays.bytes + tree->links.bytes,
-                            .leaf_bytes = tree->block_bytes};
+                            .leaf_bytes = tree->block_bytes + tree->projections.bytes};
     counting c = {.stats = out};
     kdr_tree_walk(tree, count_node, &c);
     double root = kdr_box_area(&tree->bounds);

@@ -38,5 +38,6 @@ void kdr_tree_release(kdr_tree *tree, kdr_bulk *bulk) {
     kdr_bulk_put(bulk, tree->wide, tree->wide_bytes);
     kdr_bulk_put(bulk, tree->arrays.plane, tree->arrays.bytes);
     kdr_bulk_put(bulk, tree->links.box, tree->links.bytes);
+    kdr_bulk_put(bulk, tree->projections.rows, tree->projections.bytes);
     *tree = (kdr_tree){.bounds = kdr_box_empty()};
 }

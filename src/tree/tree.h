@@ -4,6 +4,7 @@
 
 #include "base/bulk.h"
 #include "geometry/box.h"
+#include "kdray/kdray.h"
 #include "tree/block.h"
 
 #define KDR_MAILBOX_LARGEST 64
@@ -23,6 +24,11 @@ typedef struct kdr_node_links {
     size_t bytes;
 } kdr_node_links;
 
+typedef struct kdr_projections {
+    float *rows;
+    size_t bytes;
+} kdr_projections;
+
 typedef struct kdr_tree {
     kdr_node *nodes;     /* node 0 is the root; canonical order: depth first, left before right */
     uint32_t node_count; /* with the unused node 1 */
@@ -36,11 +42,13 @@ typedef struct kdr_tree {
     uint32_t depth_limit;
     bool flat_in_both; /* a triangle that lies in a split plane is on both sides of it, not on one */
     bool clipped; /* triangles were cut at planes: leaves hold those that meet their cell, not all whose box does */
-    struct kdr_wide_node *wide; /* see wide.h; NULL: not asked for, or the root is a leaf */
-    float reach[4];             /* largest coordinate on each axis, and 0; set with `wide` */
-    kdr_node_arrays arrays;     /* see node_arrays.h; not asked for: NULL */
-    kdr_node_links links;       /* see node_links.h; not asked for: NULL */
-    uint32_t mailbox_size;      /* of each ray; 0, or a power of two up to KDR_MAILBOX_LARGEST */
+    struct kdr_wide_node *wide;  /* see wide.h; NULL: not asked for, or the root is a leaf */
+    float reach[4];              /* largest coordinate on each axis, and 0; set with `wide` */
+    kdr_node_arrays arrays;      /* see node_arrays.h; not asked for: NULL */
+    kdr_node_links links;        /* see node_links.h; not asked for: NULL */
+    kdr_projections projections; /* see projections.h; not asked for: NULL */
+    kdr_triangle_test test;      /* of the traversals by name */
+    uint32_t mailbox_size;       /* of each ray; 0, or a power of two up to KDR_MAILBOX_LARGEST */
     size_t node_bytes, block_bytes, wide_bytes;
 } kdr_tree;
 

@@ -2,7 +2,7 @@
 source "$(dirname "$0")/support.sh" "$@"
 
 between='order=dfs share=none events=2 straddle=auto retract=no box-weight=0 empty-bonus=1'
-usual="split=binned axis=best $between traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 reference-limit=0 trace=auto nodes=structures mailbox=0"
+usual="split=binned axis=best $between traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 reference-limit=0 trace=auto nodes=structures mailbox=0 test=watertight"
 
 # The list of keys: each can be given with what the default plan has
 run info --plans
@@ -44,12 +44,13 @@ done
 # Options are applied in the order given.
 run info "$scene" -q --json - --plan "split=object leaf-limit=4" --leaf-limit 5
 holds "an option after a plan changes it" is "$(json out plan)" \
-    "split=object axis=longest $between traversal-cost=16 intersection-cost=1 leaf-limit=5 depth-limit=0 reference-limit=0 trace=auto nodes=structures mailbox=0"
+    "split=object axis=longest $between traversal-cost=16 intersection-cost=1 leaf-limit=5 depth-limit=0 reference-limit=0 trace=auto nodes=structures mailbox=0 test=watertight"
 run info "$scene" -q --json - --leaf-limit 5 --plan "depth-limit=7"
 holds "a plan replaces what came before it" is "$(json out plan)" "${usual/depth-limit=0/depth-limit=7}"
 
 # Traversals by name
-for plan in trace=stack "trace=restart nodes=arrays" "trace=push-down mailbox=8" trace=short-stack trace=backtrack; do
+for plan in trace=stack "trace=restart nodes=arrays" "trace=push-down mailbox=8" trace=short-stack trace=backtrack \
+    "trace=stack test=moller-trumbore" "trace=restart test=projection"; do
     run info "$scene" -q --json - --plan "$plan"
     holds "$plan builds the same tree" is "$(json out tree cost)" "$cost"
     for word in $plan; do
@@ -92,6 +93,7 @@ refuses traversal-cost=nan 'traversal-cost: expected a number above 0 and at mos
 refuses trace=best 'trace: expected auto, stack, restart, push-down, short-stack or backtrack, found "best"'
 refuses nodes=arrays 'nodes=arrays goes with trace=stack or trace=restart'
 refuses mailbox=8 'a mailbox goes with a traversal by name, not with trace=auto'
+refuses test=projection 'another triangle test goes with a traversal by name, not with trace=auto'
 refuses 'axis=best axis=best' 'axis: expected it once, found "axis=best" as well'
-refuses space 'expected KEY=VALUE with one of the keys quality, split, axis, .* or mailbox, found "space"'
+refuses space 'expected KEY=VALUE with one of the keys quality, split, axis, .* or test, found "space"'
 finish

@@ -14,7 +14,7 @@
 #include <cmocka.h>
 
 #define ROUNDS TEST_SIZE(20000)
-#define TRACED " trace=auto nodes=structures mailbox=0"
+#define TRACED " trace=auto nodes=structures mailbox=0 test=watertight"
 
 /* What stands between the axis and the costs where nothing is said of it. */
 #define BETWEEN "order=dfs share=none events=2 straddle=auto retract=no box-weight=0 empty-bonus=1 "
@@ -51,7 +51,7 @@ static void assert_same_def(const kdr_build_def *a, const kdr_build_def *b) {
     assert_true(a->order == b->order && a->share == b->share && a->share_count == b->share_count);
     assert_true(a->events == b->events && a->straddle == b->straddle && a->retract == b->retract);
     assert_true(a->empty_bonus == b->empty_bonus);
-    assert_true(a->trace == b->trace && a->nodes == b->nodes && a->mailbox == b->mailbox);
+    assert_true(a->trace == b->trace && a->nodes == b->nodes && a->mailbox == b->mailbox && a->test == b->test);
 }
 
 static void no_words_are_the_default_plan(void **state) {
@@ -76,7 +76,11 @@ static void keys_are_read_in_any_order_and_what_is_left_out_has_its_default(void
     assert_reads_as("mailbox=16 nodes=arrays trace=restart",
                     "split=binned axis=best " BETWEEN
                     "traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 "
-                    "reference-limit=0 trace=restart nodes=arrays mailbox=16");
+                    "reference-limit=0 trace=restart nodes=arrays mailbox=16 test=watertight");
+    assert_reads_as("test=projection trace=backtrack",
+                    "split=binned axis=best " BETWEEN
+                    "traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 reference-limit=0 "
+                    "trace=backtrack nodes=structures mailbox=0 test=projection");
 }
 
 static void the_sweep_has_a_bonus_and_best_quality_is_a_sweep_with_all_its_arts(void **state) {
@@ -158,7 +162,7 @@ static void wrong_words_are_refused_with_a_sentence_that_names_them(void **state
     (void)state;
     static const char any_key[] = "expected KEY=VALUE with one of the keys quality, split, axis, order, share, events, "
                                   "straddle, retract, box-weight, empty-bonus, traversal-cost, intersection-cost, "
-                                  "leaf-limit, depth-limit, reference-limit, trace, nodes or mailbox, found ";
+                                  "leaf-limit, depth-limit, reference-limit, trace, nodes, mailbox or test, found ";
     static const char traces[] = "auto, stack, restart, push-down, short-stack or backtrack";
     static const char shares[] = "none, serial/N, line/N, grid/N or cluster/N with N from 1 to 1024";
     static const char real[] = "a number above 0 and at most 1e+06", whole[] = "a whole number from 1 to 4294967295";
@@ -216,6 +220,7 @@ static void wrong_words_are_refused_with_a_sentence_that_names_them(void **state
         {"trace=", "trace", traces, ""},
         {"trace=push", "trace", traces, "push"},
         {"nodes=array", "nodes", "structures or arrays", "array"},
+        {"test=exact", "test", "watertight, moller-trumbore or projection", "exact"},
         {"mailbox=4", "mailbox", "0, 8, 16, 32 or 64", "4"},
         {"mailbox=128", "mailbox", "0, 8, 16, 32 or 64", "128"},
         {"mailbox=08", "mailbox", "0, 8, 16, 32 or 64", "08"},
@@ -244,9 +249,9 @@ static void wrong_words_are_refused_with_a_sentence_that_names_them(void **state
 /* The first word or number that a key's explanation allows. */
 static const char *a_value_of(const char *key) {
     static const char *const values[][2] = {
-        {"quality", "best"}, {"split", "space"},      {"axis", "robin"},  {"order", "bfs"},    {"share", "line/9"},
-        {"events", "2"},     {"straddle", "general"}, {"retract", "yes"}, {"box-weight", "0"}, {"empty-bonus", "1"},
-        {"trace", "stack"},  {"nodes", "structures"}, {"mailbox", "8"}};
+        {"quality", "best"}, {"split", "space"},      {"axis", "robin"},  {"order", "bfs"},      {"share", "line/9"},
+        {"events", "2"},     {"straddle", "general"}, {"retract", "yes"}, {"box-weight", "0"},   {"empty-bonus", "1"},
+        {"trace", "stack"},  {"nodes", "structures"}, {"mailbox", "8"},   {"test", "projection"}};
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++)
         if (strcmp(key, values[i][0]) == 0)
             return values[i][1];
@@ -270,6 +275,7 @@ static void values_that_do_not_go_together_are_refused(void **state) {
     (void)state;
     static const char arrays[] = "nodes=arrays goes with trace=stack or trace=restart";
     static const char mailbox[] = "a mailbox goes with a traversal by name, not with trace=auto";
+    static const char test[] = "another triangle test goes with a traversal by name, not with trace=auto";
     static const char *const wrong[][2] = {
         {"nodes=arrays", arrays},
         {"trace=push-down nodes=arrays", arrays},
@@ -277,6 +283,8 @@ static void values_that_do_not_go_together_are_refused(void **state) {
         {"trace=backtrack mailbox=8 nodes=arrays", arrays},
         {"mailbox=8", mailbox},
         {"trace=auto mailbox=64", mailbox},
+        {"test=projection", test},
+        {"trace=auto test=moller-trumbore", test},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         char problem[200] = "";
@@ -348,6 +356,8 @@ static void what_is_printed_is_read_back_to_the_bit(void **state) {
         def.trace = (kdr_trace_rule)test_random_below(&random, KDR_TRACE_BACKTRACK + 1);
         if (def.trace != KDR_TRACE_AUTO)
             def.mailbox = (kdr_mailbox_rule)test_random_below(&random, KDR_MAILBOX_64 + 1);
+        if (def.trace != KDR_TRACE_AUTO)
+            def.test = (kdr_triangle_test)test_random_below(&random, 3);
         if (def.trace == KDR_TRACE_STACK || def.trace == KDR_TRACE_RESTART)
             def.nodes = (kdr_nodes_rule)test_random_below(&random, 2);
         kdr_build_def back = parsed(printed(&def));
@@ -369,6 +379,7 @@ static void the_longest_plan_fits(void **state) {
     def.reference_limit = 123456.789f;
     def.trace = KDR_TRACE_SHORT_STACK;
     def.mailbox = KDR_MAILBOX_64;
+    def.test = KDR_TEST_MOLLER_TRUMBORE;
     assert_true(strlen(printed(&def)) < KDR_PLAN_TEXT_SIZE - 16);
 }
 
@@ -384,7 +395,7 @@ static void every_key_is_explained_and_printed(void **state) {
         assert_true(strlen(kdr_build_def_key_text(count)) > 20);
         assert_non_null(strstr(kdr_build_def_key_text(count), "default "));
     }
-    assert_int_equal(count, 18);
+    assert_int_equal(count, 19);
     assert_null(kdr_build_def_key_text(count));
     assert_null(kdr_build_def_key_name(SIZE_MAX));
 }
@@ -405,10 +416,10 @@ static void a_commit_refuses_rules_that_there_are_not(void **state) {
     kdr_device *device;
     assert_int_equal(kdr_device_create(NULL, &device), KDR_OK);
     kdr_scene *scene = committed_scene(device, NULL, 0, NULL);
-    for (int i = 0; i < 16; i++) {
+    for (int i = 0; i < 18; i++) {
         kdr_build_def def = kdr_default_build_def();
         def.trace = KDR_TRACE_STACK;
-        switch (i % 8) {
+        switch (i % 9) {
         case 0: def.split = (kdr_split_rule)(i == 0 ? 4 : -1); break;
         case 1: def.axis = (kdr_axis_rule)(i == 1 ? 4 : -1); break;
         case 2: def.trace = (kdr_trace_rule)(i == 2 ? 6 : -1); break;
@@ -416,7 +427,8 @@ static void a_commit_refuses_rules_that_there_are_not(void **state) {
         case 4: def.order = (kdr_order_rule)(i == 4 ? 2 : -1); break;
         case 5: def.share = (kdr_share_rule)(i == 5 ? 5 : -1), def.share_count = 2; break;
         case 6: def.share_count = i == 6 ? 1 : KDR_MAX_SHARE_COUNT + 1, def.share = i == 6 ? 0 : KDR_SHARE_LINE; break;
-        default: def.mailbox = (kdr_mailbox_rule)(i == 7 ? 5 : -1);
+        case 7: def.mailbox = (kdr_mailbox_rule)(i == 7 ? 5 : -1); break;
+        default: def.test = (kdr_triangle_test)(i == 8 ? 3 : -1);
         }
         char text[KDR_PLAN_TEXT_SIZE];
         assert_int_equal(kdr_scene_commit(scene, &def), KDR_ERROR_INVALID_ARGUMENT);

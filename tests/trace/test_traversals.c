@@ -269,20 +269,20 @@ static void another_traversal_is_in_force_after_a_commit_and_the_tree_is_the_sam
 
 static void a_commit_without_memory_for_an_annex_keeps_the_old_traversal(void **state) {
     (void)state;
-    static const char *const plans[] = {"trace=backtrack", "trace=restart nodes=arrays"};
+    static const char *const plans[] = {"trace=backtrack", "trace=restart nodes=arrays", "trace=stack test=projection"};
     test_random random = test_random_start(test_random_seed(), 303);
     soup_scene soup = soup_scene_create_kind(&random, soup_kind_find("small"), 400);
-    for (size_t i = 0; i < 4; i++) {
+    for (size_t i = 0; i < 6; i++) {
         failing_alloc memory;
         failing_alloc_init(&memory);
         kdr_allocator functions = failing_alloc_functions(&memory);
         kdr_build_def from, to;
-        assert_int_equal(kdr_build_def_parse(plans[i % 2], &to, NULL, 0), KDR_OK);
-        assert_int_equal(kdr_build_def_parse(plans[1 - i % 2], &from, NULL, 0), KDR_OK);
+        assert_int_equal(kdr_build_def_parse(plans[i % 3], &to, NULL, 0), KDR_OK);
+        assert_int_equal(kdr_build_def_parse(plans[(i + 1) % 3], &from, NULL, 0), KDR_OK);
         uint64_t failures = 0;
         for (uint64_t n = 1; failures == n - 1; n++) {
             kdr_device *device = device_of_isa(KDR_ISA_SCALAR, 1, &functions);
-            kdr_scene *scene = committed_scene(device, soup.geometries, SOUP_GEOMETRIES, i < 2 ? NULL : &from);
+            kdr_scene *scene = committed_scene(device, soup.geometries, SOUP_GEOMETRIES, i < 3 ? NULL : &from);
             kdr_scene_touch(scene, 0);
             kdr_lone lone = scene->lone;
             failing_alloc_fail_nth(&memory, n);
@@ -292,8 +292,9 @@ static void a_commit_without_memory_for_an_annex_keeps_the_old_traversal(void **
             if (status != KDR_OK) {
                 assert_int_equal(status, KDR_ERROR_OUT_OF_MEMORY);
                 assert_true(scene->lone.closest == lone.closest && scene->lone.any == lone.any);
-                assert_true((scene->tree.links.parent != NULL) == (i >= 2 && from.trace == KDR_TRACE_BACKTRACK));
-                assert_true((scene->tree.arrays.plane != NULL) == (i >= 2 && from.nodes == KDR_NODES_ARRAYS));
+                assert_true((scene->tree.links.parent != NULL) == (i >= 3 && from.trace == KDR_TRACE_BACKTRACK));
+                assert_true((scene->tree.arrays.plane != NULL) == (i >= 3 && from.nodes == KDR_NODES_ARRAYS));
+                assert_true((scene->tree.projections.rows != NULL) == (i >= 3 && from.test == KDR_TEST_PROJECTION));
                 assert_int_equal(kdr_scene_verify(scene), KDR_OK);
             }
             kdr_scene_destroy(scene);
