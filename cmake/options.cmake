@@ -19,6 +19,7 @@ option(KDRAY_EXPERIMENTS "Build the experiments of bench/ (the tests do so too)"
 option(KDRAY_FUZZ "Build the fuzz targets (clang only)" OFF)
 option(KDRAY_OPENMP "Build libkdray-openmp, the OpenMP task backend" ON)
 option(KDRAY_ASSIMP "Read glTF and other formats through assimp" ON)
+option(KDRAY_COUNTING "Count what queries do, for kdray info --trace; slower" OFF)
 option(KDRAY_WERROR "Treat warnings as errors" OFF)
 set(KDRAY_SANITIZE "" CACHE STRING "Sanitizers, as in -fsanitize=")
 
@@ -38,6 +39,9 @@ target_compile_definitions(kdray_settings INTERFACE _GNU_SOURCE)
 target_compile_options(kdray_settings INTERFACE
   -ffp-contract=off -fno-math-errno -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith
   -Wvla -Wno-psabi $<$<BOOL:${KDRAY_WERROR}>:-Werror>)
+if(KDRAY_COUNTING)
+  target_compile_definitions(kdray_settings INTERFACE KDR_COUNTING)
+endif()
 if(KDRAY_SANITIZE)
   target_compile_options(kdray_settings INTERFACE
     -fsanitize=${KDRAY_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

@@ -5,6 +5,7 @@
 #include "memory.h"
 #include "option_numbers.h"
 #include "output.h"
+#include "scene_view.h"
 #include "signals.h"
 #include "tree_options.h"
 
@@ -112,54 +113,15 @@ static void add_rows(bench_run *run, const kdr_bench_row *rows, uint32_t count) 
     run->count += count;
 }
 
-static bool is_builtin(const char *path) { return strncmp(path, "builtin:", 8) == 0; }
-
-/* Bytes of a file's name without its ending. */
-static size_t stem_length(const char *path) {
-    const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
-    const char *name = slash ? slash + 1 : path;
-    return dot && dot > name ? (size_t)(dot - path) : strlen(path);
-}
-
-/* A file's name without folder and ending; a built-in scene's as it is. */
-static void name_scene(const char *path, char name[KDR_BENCH_SCENE_SIZE]) {
-    const char *slash = is_builtin(path) ? NULL : strrchr(path, '/');
-    size_t length = is_builtin(path) ? strlen(path) : stem_length(path);
-    const char *begin = slash ? slash + 1 : path;
-    snprintf(name, KDR_BENCH_SCENE_SIZE, "%.*s", (int)(length - (size_t)(begin - path)), begin);
-}
-
-/* The view in a .cam file beside the mesh, or three quarters from above. */
-static bool choose_view(bench_run *run, const char *path, kdr_bench_scene *scene) {
-    float bounds[6];
-    kdr_mesh_bounds(scene->mesh, bounds);
-    scene->camera = kdr_camera_for_bounds(bounds);
-    kdr_light_for_bounds(bounds, scene->light);
-    if (is_builtin(path))
-        return true;
-
-    size_t stem = stem_length(path);
-    char *beside = kdr_memory_get(stem + sizeof(".cam"), 1);
-    memcpy(beside, path, stem);
-    memcpy(beside + stem, ".cam", sizeof(".cam"));
-    kdr_status status = KDR_OK;
-    if (access(beside, F_OK) == 0)
-        status = kdr_camera_read(beside, &run->logger, &scene->camera, scene->light);
-    if (status != KDR_OK)
-        kdr_messages_fail_status(run->messages, beside, status);
-    kdr_memory_release(beside);
-    return status == KDR_OK;
-}
-
 static bool measure_mesh(bench_run *run, const char *path, const kdr_mesh *mesh) {
     const bench_request *request = run->request;
     kdr_bench_scene scene = {.mesh = mesh, .width = request->width, .height = request->height};
-    name_scene(path, scene.name);
+    kdr_scene_name(path, scene.name);
     if (mesh->triangle_count == 0) {
         kdr_messages_fail(run->messages, "%s: there are no triangles to measure", path);
         return false;
     }
-    if (!choose_view(run, path, &scene))
+    if (!kdr_scene_view(path, &scene, run->messages, &run->logger))
         return false;
     scene.device = kdr_tree_options_device(&request->tree, run->messages);
     if (!scene.device)

@@ -3,19 +3,21 @@
 #include "option_numbers.h"
 #include "output.h"
 #include "report.h"
+#include "scene_view.h"
 #include "signals.h"
 #include "slice.h"
+#include "trace_counts.h"
 #include "tree_options.h"
 
 #include <inttypes.h>
 #include <string.h>
 #include <unistd.h>
 
-enum { SCENES = 0x100, PLANS, SLICE };
+enum { SCENES = 0x100, PLANS, SLICE, TRACE };
 
 typedef struct info_options {
     const char *file;
-    bool scenes, plans, quiet;
+    bool scenes, plans, trace, quiet;
     const char *output; /* of the slice; NULL: there is none */
     bool sliced;
     kdr_slice slice;
@@ -30,6 +32,10 @@ static const struct argp_option option_list[] = {
      "z=50%",
      2},
     {"output", 'o', "FILE", 0, "Write that drawing to this SVG file; - is stdout", 2},
+    {"trace", TRACE, NULL, 0,
+     "Count what the rays of a picture of 256x256 pixels cost in every traversal, or in that of the plan; only in a "
+     "build that counts",
+     3},
     {"quiet", 'q', NULL, 0, "No warnings and no progress", 10},
     {0},
 };
@@ -57,6 +63,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_INIT: state->child_inputs[0] = &options->tree; break;
     case SCENES: options->scenes = true; break;
     case PLANS: options->plans = true; break;
+    case TRACE: options->trace = true; break;
     case SLICE:
         kdr_option_position(state, "--slice", text, &options->slice.axis, &options->slice.position,
                             &options->slice.percent);
@@ -78,6 +85,8 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
             argp_error(state, "-o and --json: expected two files, found \"%.40s\" twice", options->output);
         if (!options->file && !options->scenes && !options->plans)
             argp_error(state, "expected a mesh file or builtin:NAME");
+        if (options->trace && (options->scenes || options->plans))
+            argp_error(state, "--trace: expected a mesh file, found %s", options->scenes ? "--scenes" : "--plans");
         if (options->scenes && options->plans)
             argp_error(state, "expected --scenes or --plans, found both");
         if (options->file && (options->scenes || options->plans))
@@ -111,6 +120,7 @@ typedef struct inspection {
     kdr_mesh *mesh;
     kdr_scene *scene;
     kdr_tree_stats stats;
+    kdr_trace_sheet trace;
     double load_seconds;
     float bounds[6];
 } inspection;
@@ -128,6 +138,11 @@ static bool check_output(inspection *work, const char *what, const char *path) {
 static bool prepare(inspection *work) {
     if (!check_output(work, "JSON", work->options->tree.json) || !check_output(work, "drawing", work->options->output))
         return false;
+    if (work->options->trace && !kdr_trace_can_count()) {
+        kdr_messages_fail(work->messages, "--trace: expected a build that counts (cmake -DKDRAY_COUNTING=ON, or ./run "
+                                          "counts FILE), found one that does not");
+        return false;
+    }
     work->device = kdr_tree_options_device(&work->options->tree, work->messages);
     return work->device;
 }
@@ -162,6 +177,16 @@ static bool build(inspection *work) {
     if (status != KDR_OK)
         kdr_messages_fail_status(work->messages, "the tree was not built", status);
     return status == KDR_OK;
+}
+
+static bool count(inspection *work) {
+    if (!work->options->trace)
+        return true;
+    kdr_progress_step(work->progress, "counting");
+    kdr_bench_scene scene = {.mesh = work->mesh, .width = KDR_TRACE_SIDE, .height = KDR_TRACE_SIDE};
+    scene.device = work->device;
+    return kdr_scene_view(work->options->file, &scene, work->messages, &work->logger) &&
+           kdr_trace_sheet_make(&scene, &work->options->tree.build, &work->logger, &work->trace);
 }
 
 /* ---- results */
@@ -217,6 +242,8 @@ static bool write_json(inspection *work) {
     kdr_json_real(&json, "load_ms", 1e3 * work->load_seconds);
     kdr_json_real(&json, "build_ms", 1e3 * work->stats.build_seconds);
     kdr_report_tree_json(&json, &work->stats);
+    if (work->options->trace)
+        kdr_trace_sheet_json(&work->trace, &json);
     kdr_json_end(&json);
     return kdr_output_close(&output, work->messages);
 }
@@ -254,7 +281,10 @@ static bool deliver(inspection *work) {
         return true;
     print_mesh(work);
     kdr_report_tree(stdout, &work->stats);
-    kdr_report_histograms(stdout, &work->stats, kdr_terminal_columns(STDOUT_FILENO));
+    if (work->options->trace)
+        kdr_trace_sheet_print(&work->trace, stdout);
+    else
+        kdr_report_histograms(stdout, &work->stats, kdr_terminal_columns(STDOUT_FILENO));
     return true;
 }
 
@@ -281,7 +311,7 @@ int kdr_command_info(int argc, char **argv) {
     kdr_messages messages = {.command = "kdray info", .quiet = options.quiet, .progress = &progress};
     inspection work = {
         .options = &options, .messages = &messages, .logger = kdr_messages_logger(&messages), .progress = &progress};
-    bool done = prepare(&work) && load(&work) && build(&work);
+    bool done = prepare(&work) && load(&work) && build(&work) && count(&work);
     kdr_progress_clear(&progress);
     done = done && deliver(&work);
 

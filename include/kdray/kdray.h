@@ -21,6 +21,7 @@
 #ifndef KDRAY_KDRAY_H
 #define KDRAY_KDRAY_H
 
+#include "kdray/counts.h"
 #include "kdray/plan.h"
 
 #include <stdbool.h>
@@ -335,6 +336,11 @@ KDR_API uint64_t kdr_scene_hash(const kdr_scene *scene);
 /* Walks the committed tree and checks every invariant: planes inside their cells, every primitive in every leaf whose
  * cell its box meets, depth and counts within limits. INVALID_DATA with a log message when one is broken. */
 KDR_API kdr_status kdr_scene_verify(const kdr_scene *scene);
+
+/* What the queries of the calling thread cost since it asked last, in a library that was built to count (see
+ * docs/trace.md); custom primitives, points and radii apart. UNSUPPORTED, and *out is all zero, in any other;
+ * INVALID_ARGUMENT if out is NULL. */
+KDR_API kdr_status kdr_trace_counts_take(kdr_trace_counts *out);
 
 /* --------------------------------------------------------------------------------------------------- queries */
 

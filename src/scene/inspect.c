@@ -1,5 +1,6 @@
 /* What a committed scene tells about itself. */
 #include "scene/scene.h"
+#include "tree/counts.h"
 #include "tree/verify.h"
 #include "tree/walk.h"
 
@@ -96,4 +97,17 @@ kdr_status kdr_scene_verify(const kdr_scene *scene) {
     if (wrong)
         return kdr_device_fail(scene->device, KDR_ERROR_INVALID_DATA, "%s", wrong);
     return KDR_OK;
+}
+
+kdr_status kdr_trace_counts_take(kdr_trace_counts *out) {
+    if (!out)
+        return KDR_ERROR_INVALID_ARGUMENT;
+    *out = (kdr_trace_counts){0};
+#ifdef KDR_COUNTING
+    *out = kdr_thread_counts;
+    kdr_thread_counts = (kdr_trace_counts){0};
+    return KDR_OK;
+#else
+    return KDR_ERROR_UNSUPPORTED;
+#endif
 }

@@ -94,6 +94,7 @@ static __attribute__((noinline)) void packet_part(packet *p, uint32_t child, pac
  * triangles are in lanes is a matter of which way takes fewer steps. */
 KDR_LANES_INLINE packet_bits packet_ask(packet *p, const beam *b, kdr_block block, packet_bits rays, const bool any) {
     packet_bits found = 0;
+    kdr_block_count_block();
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
         packet_bits left = rays & ~found;
         uint32_t asking = (uint32_t)__builtin_popcountll(left);
@@ -130,6 +131,8 @@ KDR_LANES_INLINE void packet_await(const kdr_tree *tree, uint32_t child) {
 KDR_LANES_INLINE void packet_open(const packet *p, const beam *b, uint32_t index, packet_bits rays, size_t order,
                                   const bool any, packet_stack *stack) {
     const kdr_wide_node *node = &p->tree->wide[index];
+    KDR_COUNT(nodes, 1);
+    KDR_COUNT(node_rays, (uint32_t)__builtin_popcountll(rays));
     uint32_t met = beam_meet(b, node);
     if (any) {
         while (met) {

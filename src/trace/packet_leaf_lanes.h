@@ -34,6 +34,7 @@ static __attribute__((noinline, unused)) void packet_settle_one(packet *p, uint3
 /* Decides exactly whether a triangle is the closest hit so far of ray i. */
 static __attribute__((noinline, unused)) void packet_decide(packet *p, uint32_t i, kdr_block block, size_t place,
                                                             uint32_t primitive) {
+    KDR_COUNT(exact, 1);
     packet_line ray = packet_line_of(p, i);
     kdr_triangle_hit hit;
     if (!kdr_triangle_meet(ray.origin, ray.direction, kdr_block_corners(block, place), &hit) || hit.t <= ray.tmin)
@@ -49,6 +50,7 @@ static __attribute__((noinline, unused)) void packet_decide(packet *p, uint32_t 
 
 static __attribute__((noinline, unused)) bool packet_decide_any(const packet *p, uint32_t i, kdr_block block,
                                                                 size_t place) {
+    KDR_COUNT(exact, 1);
     packet_line ray = packet_line_of(p, i);
     kdr_triangle_hit hit;
     kdr_corners corners = kdr_block_corners(block, place);
@@ -152,6 +154,7 @@ KDR_LANES_INLINE void packet_meet_by_triangles(const packet *p, packet_bits rays
             kdr_lane_bits lanes = packet_lanes_of(rays, v);
             if (lanes == 0)
                 continue;
+            kdr_block_count_step(lanes);
             kdr_block_edges e;
             lanes &= packet_meet_triangle(p, v, &corners, &e);
             meets->lanes[v * KDR_LANES + i] = lanes;
@@ -174,6 +177,7 @@ KDR_LANES_INLINE void packet_meet_by_rays(const packet *p, packet_bits rays, kdr
     uint32_t count = 0;
     for (; rays; rays &= rays - 1) {
         uint32_t i = (uint32_t)__builtin_ctzll(rays);
+        kdr_block_count_step(kdr_lanes_first((uint32_t)block.shown));
         kdr_lanes_f shear_x = kdr_lanes_all(p->shear_x.of[i]), shear_y = kdr_lanes_all(p->shear_y.of[i]);
         kdr_lanes_f origin_x = kdr_lanes_all(p->origin[p->axis[0]].of[i]);
         kdr_lanes_f origin_y = kdr_lanes_all(p->origin[p->axis[1]].of[i]);

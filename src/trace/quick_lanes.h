@@ -106,9 +106,12 @@ KDR_LANES_INLINE kdr_lane_bits quick_meet(const kdr_tree *tree, kdr_block block,
 static __attribute__((noinline, unused)) void quick_closest(const kdr_tree *tree, kdr_block block,
                                                             const kdr_ray_frame *f, float tmin, kdr_mailbox *mailbox,
                                                             kdr_closest *closest) {
+    kdr_block_count_block();
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
         kdr_lane_bits left = kdr_mailbox_new(mailbox, block, first);
         quick_hits h;
+        if (left)
+            kdr_block_count_step(left & kdr_lanes_first((uint32_t)(block.shown - first)));
         if (left)
             left &= quick_meet(tree, block, first, f, tmin, closest->t, &h);
         for (; left; left &= left - 1) {
@@ -133,9 +136,12 @@ static __attribute__((noinline, unused)) void quick_closest(const kdr_tree *tree
 
 static __attribute__((noinline, unused)) bool quick_any(const kdr_tree *tree, kdr_block block, const kdr_ray_frame *f,
                                                         float tmin, float tmax, kdr_mailbox *mailbox) {
+    kdr_block_count_block();
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
         kdr_lane_bits left = kdr_mailbox_new(mailbox, block, first);
         quick_hits h;
+        if (left)
+            kdr_block_count_step(left & kdr_lanes_first((uint32_t)(block.shown - first)));
         if (left)
             left &= quick_meet(tree, block, first, f, tmin, tmax, &h);
         for (; left; left &= left - 1)

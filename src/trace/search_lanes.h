@@ -20,6 +20,8 @@ typedef struct kdr_search {
 } kdr_search;
 
 KDR_LANES_INLINE kdr_node kdr_search_node(const kdr_search s, uint32_t i) {
+    KDR_COUNT(nodes, 1);
+    KDR_COUNT(node_rays, 1);
     return s.arrays ? kdr_node_of_arrays(&s.tree->arrays, i) : s.tree->nodes[i];
 }
 

@@ -100,6 +100,8 @@ KDR_LANES_INLINE void wide_meet(const kdr_wide_node *node, const wide_ray *r, ui
  * the next on top. */
 KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r, float tmax, const bool any,
                                     wide_stack *stack) {
+    KDR_COUNT(nodes, 1);
+    KDR_COUNT(node_rays, 1);
     kdr_lanes_f enter, leave;
     wide_meet(node, r, 0, tmax, &enter, &leave);
     kdr_lanes_u child = kdr_lanes_load_u(node->child);
@@ -128,6 +130,8 @@ KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r
 
 KDR_LANES_INLINE uint32_t wide_open(const kdr_wide_node *node, const wide_ray *r, float tmax, const bool any,
                                     wide_stack *stack) {
+    KDR_COUNT(nodes, 1);
+    KDR_COUNT(node_rays, 1);
     float enters[KDR_WIDE];
     uint32_t met = 0, top = stack->top;
     for (uint32_t i = 0; i < KDR_WIDE; i += KDR_LANES) {

@@ -13,6 +13,7 @@
 #include "geometry/ray_frame.h"
 #include "geometry/triangle.h"
 #include "tree/block.h"
+#include "tree/counts.h"
 #include "tree/mailbox_lanes.h"
 
 /* The closest hit so far. Before the first, `least` and `t` are the ray's tmax and primitive is UINT32_MAX. */
@@ -44,6 +45,18 @@ typedef struct kdr_block_rows {
     const float *x, *y, *z;
     size_t corner, shown;
 } kdr_block_rows;
+
+/* One ray asks a vector of triangles, or some of them. */
+KDR_LANES_INLINE void kdr_block_count_step(kdr_lane_bits lanes) {
+    (void)lanes;
+    KDR_COUNT(steps, 1);
+    KDR_COUNT(tests, (uint32_t)__builtin_popcount(lanes));
+}
+
+KDR_LANES_INLINE void kdr_block_count_block(void) {
+    KDR_COUNT(blocks, 1);
+    KDR_COUNT_WIDTH(KDR_LANES);
+}
 
 KDR_LANES_INLINE kdr_block_rows kdr_block_rows_of(kdr_block block, const kdr_ray_frame *f) {
     return (kdr_block_rows){.x = block.rows + f->axis_x * block.length,
@@ -141,6 +154,7 @@ KDR_LANES_INLINE kdr_corners kdr_block_corners(kdr_block block, size_t i) {
 /* Decides one triangle that passed the filter. */
 static __attribute__((noinline, unused)) bool kdr_block_decide(kdr_block block, size_t i, const kdr_ray_frame *f,
                                                                kdr_triangle_hit *hit) {
+    KDR_COUNT(exact, 1);
     return kdr_triangle_meet(f->origin, f->direction, kdr_block_corners(block, i), hit);
 }
 
@@ -148,6 +162,7 @@ static __attribute__((noinline, unused)) bool kdr_block_decide(kdr_block block, 
 static __attribute__((noinline, unused)) bool kdr_block_decide_any(kdr_block block, size_t i, const kdr_ray_frame *f,
                                                                    float tmin, float tmax) {
     kdr_triangle_hit hit;
+    KDR_COUNT(exact, 1);
     kdr_corners corners = kdr_block_corners(block, i);
     return kdr_block_primitive(block, i) != UINT32_MAX &&
            !kdr_triangle_is_behind(f->origin, f->direction, corners, tmin) &&
@@ -199,10 +214,12 @@ static __attribute__((noinline, unused)) void kdr_closest_decide(kdr_closest *cl
 KDR_LANES_INLINE void kdr_block_closest_new(kdr_block block, const kdr_ray_frame *f, float tmin, kdr_mailbox *mailbox,
                                             kdr_closest *closest) {
     kdr_block_rows rows = kdr_block_rows_of(block, f);
+    kdr_block_count_block();
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
         kdr_lane_bits untested = kdr_mailbox_new(mailbox, block, first);
         if (untested == 0)
             continue;
+        kdr_block_count_step(untested & kdr_lanes_first((uint32_t)(block.shown - first)));
         kdr_block_edges e;
         kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e) & untested;
         if (__builtin_expect(left == 0, 1))
@@ -231,10 +248,12 @@ KDR_LANES_INLINE void kdr_block_closest(kdr_block block, const kdr_ray_frame *f,
 KDR_LANES_INLINE bool kdr_block_any_new(kdr_block block, const kdr_ray_frame *f, float tmin, float tmax,
                                         kdr_mailbox *mailbox) {
     kdr_block_rows rows = kdr_block_rows_of(block, f);
+    kdr_block_count_block();
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
         kdr_lane_bits untested = kdr_mailbox_new(mailbox, block, first);
         if (untested == 0)
             continue;
+        kdr_block_count_step(untested & kdr_lanes_first((uint32_t)(block.shown - first)));
         kdr_block_edges e;
         kdr_lane_bits left = kdr_block_meet(&rows, f, first, &e) & untested;
         if (__builtin_expect(left == 0, 1))

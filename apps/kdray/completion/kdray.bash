@@ -48,7 +48,7 @@ _kdray() {
             options="--output --resolution --spp --seed --view --camera --target --up --fov --light --box --texture
                 --compare --threshold --stats $build"
             ;;
-        info) options="--scenes --plans --slice --output $build" ;;
+        info) options="--scenes --plans --slice --output --trace $build" ;;
         bench) options="--resolution --rounds --only --csv $build" ;;
         esac
         mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")

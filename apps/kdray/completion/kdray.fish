@@ -43,6 +43,7 @@ complete -c kdray -n $render -l stats -d 'print every figure'
 
 complete -c kdray -n '__fish_seen_subcommand_from info' -l scenes -d 'list the built-in scenes'
 complete -c kdray -n '__fish_seen_subcommand_from info' -l plans -d 'list the keys of a plan'
+complete -c kdray -n '__fish_seen_subcommand_from info' -l trace -d 'count what rays cost, in a build that counts'
 complete -c kdray -n '__fish_seen_subcommand_from info' -l slice -x -a 'x=50% y=50% z=50%' -d 'draw the cells that a plane cuts'
 complete -c kdray -n '__fish_seen_subcommand_from info' -s o -l output -r -d 'write the drawing to this SVG file'
 
