@@ -57,12 +57,18 @@ static size_t count_targets(const kdr_gltf_asset *asset, const kdr_json_value *m
     return most;
 }
 
-static kdr_status read_weights(kdr_gltf_asset *asset, const kdr_json_value *object, size_t *total,
+/* Morph targets: of each mesh, and of the nodes that were read. */
+typedef struct target_counts {
+    size_t *of_mesh;
+    size_t total;
+} target_counts;
+
+static kdr_status read_weights(kdr_gltf_asset *asset, const kdr_json_value *object, target_counts *counts,
                                kdr_gltf_node *node) {
     const kdr_json_value *mesh = asset->objects[KDR_GLTF_MESHES][node->mesh];
-    node->weight_count = count_targets(asset, mesh);
-    *total += node->weight_count;
-    if (*total > MOST_WEIGHTS)
+    node->weight_count = counts->of_mesh[node->mesh];
+    counts->total += node->weight_count;
+    if (counts->total > MOST_WEIGHTS)
         return kdr_source_fail(asset->gltf.source, KDR_ERROR_LIMIT,
                                "byte %zu: expected at most %zu morph targets in all nodes", object->byte, MOST_WEIGHTS);
     if (node->weight_count == 0)
@@ -76,7 +82,8 @@ static kdr_status read_weights(kdr_gltf_asset *asset, const kdr_json_value *obje
     return kdr_gltf_read_numbers(asset, object, "weights", node->weight_count, node->weights, node->weights);
 }
 
-static kdr_status read_node(kdr_gltf_asset *asset, const kdr_json_value *object, size_t *total, kdr_gltf_node *node) {
+static kdr_status read_node(kdr_gltf_asset *asset, const kdr_json_value *object, target_counts *counts,
+                            kdr_gltf_node *node) {
     static const double zeros[3] = {0}, ones[3] = {1, 1, 1}, at_rest[4] = {0, 0, 0, 1};
     double columns[16];
     kdr_status status = kdr_gltf_read_reference(&asset->gltf, object, "mesh", KDR_GLTF_MESHES, &node->mesh);
@@ -95,7 +102,7 @@ static kdr_status read_node(kdr_gltf_asset *asset, const kdr_json_value *object,
             kdr_gltf_transpose(columns, node->matrix);
     }
     if (status == KDR_OK && node->mesh != KDR_INVALID_ID)
-        status = read_weights(asset, object, total, node);
+        status = read_weights(asset, object, counts, node);
     return status;
 }
 
@@ -159,15 +166,18 @@ static kdr_status order_nodes(kdr_gltf_asset *asset, kdr_gltf_nodes *nodes) {
 }
 
 kdr_status kdr_gltf_nodes_open(kdr_gltf_asset *asset, kdr_gltf_nodes *out) {
-    size_t count = asset->gltf.counts[KDR_GLTF_NODES], total = 0;
+    size_t count = asset->gltf.counts[KDR_GLTF_NODES], mesh_count = asset->gltf.counts[KDR_GLTF_MESHES];
+    target_counts counts = {kdr_gltf_take(&asset->store, mesh_count, sizeof(size_t)), 0};
     *out = (kdr_gltf_nodes){.count = count};
     out->nodes = kdr_gltf_take(&asset->store, count, sizeof *out->nodes);
     out->order = kdr_gltf_take(&asset->store, count, sizeof *out->order);
-    if (!out->nodes || !out->order)
+    if (!out->nodes || !out->order || !counts.of_mesh)
         return kdr_source_fail_status(asset->gltf.source, KDR_ERROR_OUT_OF_MEMORY);
+    for (size_t i = 0; i < mesh_count; i++)
+        counts.of_mesh[i] = count_targets(asset, asset->objects[KDR_GLTF_MESHES][i]);
     name_parents(asset, out);
     for (size_t i = 0; i < count; i++) {
-        kdr_status status = read_node(asset, asset->objects[KDR_GLTF_NODES][i], &total, &out->nodes[i]);
+        kdr_status status = read_node(asset, asset->objects[KDR_GLTF_NODES][i], &counts, &out->nodes[i]);
         if (status != KDR_OK)
             return status;
     }

@@ -13,6 +13,9 @@
 #define MODE_STRIP 5
 #define MODE_FAN 6
 
+/* Primitives of all nodes together: few bytes of JSON could ask for the product of both. */
+#define MOST_PARTS ((size_t)1 << 20)
+
 /* Parts on their way into one mesh. */
 typedef struct gathering {
     kdr_gltf_asset *asset;
@@ -212,6 +215,9 @@ static kdr_status add_parts(gathering *in) {
         const kdr_json_value *primitives = primitives_of(in->asset, &nodes->nodes[nodes->order[i]]);
         count += primitives ? primitives->count : 0;
     }
+    if (count > MOST_PARTS)
+        return kdr_source_fail(in->asset->gltf.source, KDR_ERROR_LIMIT,
+                               "expected at most %zu primitives in all nodes, found %zu", MOST_PARTS, count);
     in->parts->parts = kdr_gltf_take(&in->asset->store, count, sizeof *in->parts->parts);
     if (!in->parts->parts)
         return fail_status(in, KDR_ERROR_OUT_OF_MEMORY);
