@@ -86,7 +86,9 @@ static bool prepare(rendering *work) {
 static bool load(rendering *work) {
     kdr_progress_step(work->progress, "loading");
     double begin = kdr_seconds();
-    kdr_status status = kdr_mesh_read(work->options->file, &work->logger, &work->mesh);
+    const kdr_render_options *options = work->options;
+    kdr_status status = options->time_given ? kdr_mesh_read_at(options->file, options->time, &work->logger, &work->mesh)
+                                            : kdr_mesh_read(options->file, &work->logger, &work->mesh);
     work->load_seconds = kdr_seconds() - begin;
     if (status != KDR_OK)
         kdr_messages_fail_status(work->messages, work->options->file, status);

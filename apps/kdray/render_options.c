@@ -7,8 +7,9 @@
 #define SIDE_LIMIT 65536u
 #define SAMPLE_LIMIT 65536u
 #define DEFAULT_THRESHOLD 2.0
+#define TIME_LIMIT 1e6 /* seconds */
 
-enum { CAMERA = 0x100, TARGET, UP, FOV, VIEW, LIGHT, BOX, TEXTURE, SPP, SEED, STATS, COMPARE, THRESHOLD };
+enum { CAMERA = 0x100, TARGET, UP, FOV, VIEW, LIGHT, BOX, TEXTURE, SPP, SEED, MOMENT, STATS, COMPARE, THRESHOLD };
 
 static const struct argp_option options[] = {
     {NULL, 0, NULL, 0, "Picture:", 1},
@@ -16,6 +17,7 @@ static const struct argp_option options[] = {
     {"resolution", 'r', "WxH", 0, "Pixels (default: 1024x1024, or those of the picture to compare with)", 1},
     {"spp", SPP, "N", 0, "Samples a pixel, 1 to 65536 (default: 1)", 1},
     {"seed", SEED, "N", 0, "Seed of the samples' positions (default: 0)", 1},
+    {"time", MOMENT, "SECONDS", 0, "Show a glTF or GLB file as it is so far into its animation", 1},
     {NULL, 0, NULL, 0, "View (default: the model from three quarters above):", 2},
     {"view", VIEW, "FILE", 0, "Read one line of 13 numbers: eye, target, up, field of view, light", 2},
     {"camera", CAMERA, "X,Y,Z", 0, "Where the eye is", 2},
@@ -75,6 +77,10 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
         render->size_given = true;
         break;
     case SPP: render->samples = (uint32_t)kdr_option_whole(state, "--spp", text, 1, SAMPLE_LIMIT); break;
+    case MOMENT:
+        render->time = kdr_option_between(state, "--time", text, 0, TIME_LIMIT);
+        render->time_given = true;
+        break;
     case SEED: render->seed = kdr_option_whole(state, "--seed", text, 0, UINT64_MAX); break;
     case VIEW: render->view = text; break;
     case CAMERA:

@@ -21,6 +21,8 @@ typedef struct kdr_render_options {
     uint64_t seed;
     const char *compare; /* NULL: nothing */
     double threshold;
+    bool time_given;
+    double time; /* seconds into a file's animation */
     bool stats, quiet;
     kdr_tree_options tree;
 } kdr_render_options;

@@ -53,6 +53,11 @@ typedef struct kdr_mesh {
  * Errors: IO, INVALID_DATA, UNSUPPORTED, OUT_OF_MEMORY, LIMIT, INVALID_ARGUMENT. Release: kdr_mesh_destroy. */
 KDR_API kdr_status kdr_mesh_read(const char *path, const kdr_logger *logger, kdr_mesh **out);
 
+/* Reads a glTF or GLB file as it is `seconds` into its first animation: nodes, skins and morph targets in their pose. A
+ * time outside of the animation is its nearest end; a file without one always shows the same. Errors as kdr_mesh_read;
+ * UNSUPPORTED also for a file of another kind, INVALID_ARGUMENT also for a time that is not finite. */
+KDR_API kdr_status kdr_mesh_read_at(const char *path, double seconds, const kdr_logger *logger, kdr_mesh **out);
+
 /* Makes the built-in scene `name` with about `triangle_count` triangles (0: its default size; 100 to 10 million) at
  * `time` in seconds (still scenes ignore it). The same arguments make the same mesh everywhere.
  * Errors: INVALID_ARGUMENT (no such scene, size), OUT_OF_MEMORY. Release: kdr_mesh_destroy. */

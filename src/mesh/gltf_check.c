@@ -114,7 +114,7 @@ static kdr_status check_view(kdr_gltf *gltf, const kdr_json_value *object, size_
     if (buffer == KDR_INVALID_ID || length == 0 || offset + length > gltf->buffers[buffer])
         return kdr_gltf_fail(gltf, object, "a view of at least one byte that lies in its buffer");
     bool is_here = buffer == 0 && !kdr_json_find(&gltf->json, kdr_json_first(&gltf->json, gltf->lists[0]), "uri");
-    gltf->views[number] = (kdr_gltf_view){length, stride, is_here ? gltf->binary_begin + offset : 0};
+    gltf->views[number] = (kdr_gltf_view){length, stride, is_here ? gltf->binary_begin + offset : 0, offset, buffer};
     return KDR_OK;
 }
 
@@ -122,7 +122,7 @@ static uint32_t component_bytes(uint64_t component) {
     switch (component) {
     case KDR_GLTF_BYTE:
     case KDR_GLTF_UBYTE: return 1;
-    case 5122:
+    case KDR_GLTF_SHORT:
     case KDR_GLTF_USHORT: return 2;
     case KDR_GLTF_UINT:
     case KDR_GLTF_FLOAT: return 4;
@@ -194,18 +194,20 @@ static kdr_status check_accessor(kdr_gltf *gltf, const kdr_json_value *object, s
     uint64_t bytes = (uint64_t)component_bytes(component) * (width == 5 ? 4 : width);
     if (bytes == 0 || count == 0)
         return kdr_gltf_fail(gltf, object, "an accessor with componentType, type and a count of at least 1");
-    if (view == KDR_INVALID_ID)
+    const kdr_json_value *sparse = kdr_json_find(&gltf->json, object, "sparse");
+    if (view == KDR_INVALID_ID && !(gltf->is_own && sparse && count <= gltf->source->length))
         return kdr_source_fail(gltf->source, KDR_ERROR_UNSUPPORTED, "byte %zu: expected an accessor with a view",
                                object->byte);
-    if (!fits(&gltf->views[view], offset, count, bytes))
+    const kdr_gltf_view *from = view == KDR_INVALID_ID ? NULL : &gltf->views[view];
+    if (from && !fits(from, offset, count, bytes))
         return kdr_gltf_fail(gltf, object, "an accessor whose values lie in its view");
-    const kdr_json_value *sparse = kdr_json_find(&gltf->json, object, "sparse");
-    const kdr_gltf_view *from = &gltf->views[view];
     gltf->accessors[number] = (kdr_gltf_accessor){.count = count,
-                                                  .begin = from->begin && !sparse ? from->begin + offset : 0,
-                                                  .stride = from->stride ? from->stride : bytes,
+                                                  .begin = from && from->begin && !sparse ? from->begin + offset : 0,
+                                                  .stride = from && from->stride ? from->stride : bytes,
                                                   .component = (uint32_t)component,
-                                                  .width = width};
+                                                  .width = width,
+                                                  .view = view,
+                                                  .offset = offset};
     return sparse ? check_sparse(gltf, sparse, count, bytes) : KDR_OK;
 }
 
@@ -251,14 +253,30 @@ static kdr_status check_all(kdr_gltf *gltf) {
     return status;
 }
 
-kdr_status kdr_gltf_check(const kdr_source *source, const kdr_glb_frame *frame) {
-    kdr_gltf gltf = {.source = source, .binary_begin = frame->binary_begin, .binary_length = frame->binary_length};
-    kdr_status status = kdr_json_read(source, frame->json_begin, frame->json_end, &gltf.json);
+static kdr_status read_and_check(kdr_gltf *gltf, const kdr_glb_frame *frame) {
+    gltf->binary_begin = frame->binary_begin;
+    gltf->binary_length = frame->binary_length;
+    kdr_status status = kdr_json_read(gltf->source, frame->json_begin, frame->json_end, &gltf->json);
     if (status == KDR_OK) {
-        gltf.root = &gltf.json.values[0];
-        status = check_all(&gltf);
+        gltf->root = &gltf->json.values[0];
+        status = check_all(gltf);
     }
-    kdr_buffer_release(kdr_mesh_memory(), &gltf.memory);
-    kdr_json_release(&gltf.json);
     return status;
+}
+
+void kdr_gltf_close(kdr_gltf *gltf) {
+    kdr_buffer_release(kdr_mesh_memory(), &gltf->memory);
+    kdr_json_release(&gltf->json);
+}
+
+kdr_status kdr_gltf_check(const kdr_source *source, const kdr_glb_frame *frame) {
+    kdr_gltf gltf = {.source = source};
+    kdr_status status = read_and_check(&gltf, frame);
+    kdr_gltf_close(&gltf);
+    return status;
+}
+
+kdr_status kdr_gltf_open(const kdr_source *source, const kdr_glb_frame *frame, kdr_gltf *out) {
+    *out = (kdr_gltf){.source = source, .is_own = true};
+    return read_and_check(out, frame);
 }

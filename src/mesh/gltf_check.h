@@ -25,6 +25,8 @@ typedef enum kdr_gltf_list {
 typedef struct kdr_gltf_view {
     uint64_t length, stride; /* bytes; stride 0: one after the other */
     uint64_t begin;          /* in the source; 0: in another file, or in text */
+    uint64_t offset;         /* in its buffer */
+    uint32_t buffer;
 } kdr_gltf_view;
 
 typedef struct kdr_gltf_accessor {
@@ -33,10 +35,13 @@ typedef struct kdr_gltf_accessor {
     uint64_t stride;    /* from one to the next, bytes */
     uint32_t component; /* 5126: float, ... */
     uint32_t width;     /* components of one: 1 to 4, 9, 16; 5 for matrices of 2 rows, to tell them from vectors */
+    uint32_t view;      /* KDR_INVALID_ID: none, zeros where no sparse value stands */
+    uint64_t offset;    /* in its view */
 } kdr_gltf_accessor;
 
 #define KDR_GLTF_BYTE 5120
 #define KDR_GLTF_UBYTE 5121
+#define KDR_GLTF_SHORT 5122
 #define KDR_GLTF_USHORT 5123
 #define KDR_GLTF_UINT 5125
 #define KDR_GLTF_FLOAT 5126
@@ -53,6 +58,7 @@ typedef struct kdr_gltf {
     kdr_gltf_view *views;
     kdr_gltf_accessor *accessors;
     kdr_buffer memory; /* of the three tables */
+    bool is_own;       /* kdray plays it itself: what assimp alone cannot bear is sound */
 } kdr_gltf;
 
 /* INVALID_DATA with the byte of `value`. */
@@ -78,5 +84,11 @@ kdr_status kdr_gltf_check_motion(const kdr_gltf *gltf);
 /* Checks the JSON and the vertex numbers of meshes in the frame of a GLB; of a .gltf, json_begin is 0 and there is no
  * binary chunk. Errors: INVALID_DATA, UNSUPPORTED, LIMIT, OUT_OF_MEMORY. */
 kdr_status kdr_gltf_check(const kdr_source *source, const kdr_glb_frame *frame);
+
+/* The same for a file that assimp does not see; the JSON and the tables stay, and point into the source. Strips and
+ * fans may lie in any buffer, skins may have no matrices, an accessor may have sparse values only. Close in any case.
+ */
+kdr_status kdr_gltf_open(const kdr_source *source, const kdr_glb_frame *frame, kdr_gltf *out);
+void kdr_gltf_close(kdr_gltf *gltf);
 
 #endif

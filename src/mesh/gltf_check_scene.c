@@ -69,7 +69,7 @@ static kdr_status check_indices(const kdr_gltf *gltf, const kdr_json_value *prim
     if (bytes == 0 || indices->width != 1)
         return kdr_gltf_fail(gltf, primitive, "'indices' to be whole numbers");
     if (indices->begin == 0)
-        return mode == 4 || mode < 2
+        return gltf->is_own || mode == 4 || mode < 2
                    ? KDR_OK
                    : kdr_source_fail(gltf->source, KDR_ERROR_UNSUPPORTED,
                                      "byte %zu: expected strips, loops and fans in a GLB only", primitive->byte);
@@ -222,8 +222,9 @@ static kdr_status check_skin(const kdr_gltf *gltf, const kdr_json_value *skin) {
     if (status != KDR_OK)
         return status;
     const kdr_gltf_accessor *accessor = matrices == KDR_INVALID_ID ? NULL : &gltf->accessors[matrices];
-    if (!joints || joints->count == 0 || !accessor || accessor->width != 16 || accessor->component != KDR_GLTF_FLOAT ||
-        accessor->count < joints->count)
+    bool has_matrices = accessor && accessor->width == 16 && accessor->component == KDR_GLTF_FLOAT && joints &&
+                        accessor->count >= joints->count;
+    if (!joints || joints->count == 0 || !(has_matrices || (gltf->is_own && !accessor)))
         return kdr_gltf_fail(gltf, skin, "a skin with a matrix for each of its joints");
     FOR_EACH(gltf, joint, joints) {
         status = kdr_gltf_check_reference(gltf, joint, KDR_GLTF_NODES, &number);
@@ -242,7 +243,7 @@ static kdr_status check_track(const kdr_gltf *gltf, const kdr_json_value *track)
         return status;
     const kdr_gltf_accessor *accessors = gltf->accessors;
     if (input == KDR_INVALID_ID || output == KDR_INVALID_ID || accessors[input].component != KDR_GLTF_FLOAT ||
-        accessors[input].width != 1 || accessors[output].component != KDR_GLTF_FLOAT)
+        accessors[input].width != 1 || (accessors[output].component != KDR_GLTF_FLOAT && !gltf->is_own))
         return kdr_gltf_fail(gltf, track, "a sampler with times and values in floats");
     const kdr_json_value *shape = find(gltf, track, "interpolation");
     bool is_cubic = shape && shape->kind == KDR_JSON_STRING && kdr_word_is(shape->text, "CUBICSPLINE");

@@ -35,7 +35,7 @@ _kdray() {
         mapfile -t COMPREPLY < <(compgen -W 'x=50% y=50% z=50%' -- "$word")
         return
         ;;
-    -r | --resolution | -t | --threads | --spp | --seed | --camera | --target | --up | --fov | --light | --threshold | \
+    -r | --resolution | -t | --threads | --spp | --seed | --time | --camera | --target | --up | --fov | --light | --threshold | \
         --rounds | --plan | --traversal-cost | --intersection-cost | --leaf-limit | --depth-limit | --reference-limit)
         return
         ;;
@@ -45,7 +45,7 @@ _kdray() {
         local options=''
         case $command in
         render)
-            options="--output --resolution --spp --seed --view --camera --target --up --fov --light --box --texture
+            options="--output --resolution --spp --seed --time --view --camera --target --up --fov --light --box --texture
                 --compare --threshold --stats $build"
             ;;
         info) options="--scenes --plans --slice --output --trace $build" ;;

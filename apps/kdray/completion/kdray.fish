@@ -29,6 +29,7 @@ complete -c kdray -n $render -s o -l output -r -d 'write the picture to this PNG
 complete -c kdray -n $render -s r -l resolution -x -d 'pixels'
 complete -c kdray -n $render -l spp -x -d 'samples a pixel'
 complete -c kdray -n $render -l seed -x -d 'seed of the positions of the samples'
+complete -c kdray -n $render -l time -x -d 'seconds into the animation of a glTF file'
 complete -c kdray -n $render -l view -r -d 'read eye, target, up, field of view and light'
 complete -c kdray -n $render -l camera -x -d 'where the eye is'
 complete -c kdray -n $render -l target -x -d 'what it looks at'
