@@ -109,7 +109,7 @@ static __attribute__((noinline, unused)) void quick_closest(const kdr_tree *tree
     kdr_block_count_block();
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
         kdr_lane_bits left = kdr_mailbox_new(mailbox, block, first);
-        quick_hits h;
+        quick_hits h = {{0}, {0}, {0}};
         if (left)
             kdr_block_count_step(left & kdr_lanes_first((uint32_t)(block.shown - first)));
         if (left)
@@ -139,7 +139,7 @@ static __attribute__((noinline, unused)) bool quick_any(const kdr_tree *tree, kd
     kdr_block_count_block();
     for (size_t first = 0; first < block.shown; first += KDR_LANES) {
         kdr_lane_bits left = kdr_mailbox_new(mailbox, block, first);
-        quick_hits h;
+        quick_hits h = {{0}, {0}, {0}};
         if (left)
             kdr_block_count_step(left & kdr_lanes_first((uint32_t)(block.shown - first)));
         if (left)

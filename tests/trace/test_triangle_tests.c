@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#define TRIANGLES TEST_SIZE(2000)
+#define TRIANGLES 2000
 #define RAYS TEST_SIZE(4000)
 #define CLEAR 1e-3     /* weights further from 0 leave no doubt */
 #define GRAZING 0.05   /* cosine below which distances are not held to anything */
