@@ -25,10 +25,12 @@ KDR_LANES_INLINE kdr_lane_bits quick_in_range(kdr_lanes_f t, float tmin, float t
     return number & kdr_lanes_less(kdr_lanes_all(tmin), t) & ~kdr_lanes_less(kdr_lanes_all(tmax), t);
 }
 
-/* Lanes whose weights are those of a point of the triangle; they are multiples of `one`, which is not negative. */
+/* Lanes whose weights are those of a point of the triangle; they are multiples of `one`, which is not negative. Where
+ * sizes left the range of floats, one of them is infinite or NaN: a miss. */
 KDR_LANES_INLINE kdr_lane_bits quick_inside(const quick_hits *h, kdr_lanes_f one) {
-    const kdr_lanes_f zero = {0};
-    return ~(kdr_lanes_less(h->u, zero) | kdr_lanes_less(h->v, zero) | kdr_lanes_less(one, h->u + h->v));
+    const kdr_lanes_f zero = {0}, infinite = kdr_lanes_all(INFINITY), sum = h->u + h->v;
+    kdr_lane_bits numbers = kdr_lanes_less(sum, infinite) & kdr_lanes_less(one, infinite);
+    return numbers & ~(kdr_lanes_less(h->u, zero) | kdr_lanes_less(h->v, zero) | kdr_lanes_less(one, sum));
 }
 
 KDR_LANES_INLINE kdr_lane_bits quick_moller_trumbore(kdr_block block, size_t first, const kdr_ray_frame *f, float tmin,
