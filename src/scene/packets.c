@@ -24,6 +24,7 @@ INLINE bool take_rays(kdr_packet_rays *rays, const int32_t *valid, const void *f
         bits |= (uint64_t)(!valid || valid[i] != 0) << i;
     rays->valid = bits;
     rays->count = width;
+    rays->go_together = true;
     if (bits == 0)
         return false;
     for (uint32_t i = 0; i < 16; i += width) { /* lanes beyond the packet repeat it */

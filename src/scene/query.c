@@ -44,12 +44,14 @@ static inline void intersect(const kdr_scene *scene, kdr_ray_hit *ray_hit) {
     answer(scene, hit, &found, ray_hit);
 }
 
+#define FEWEST_TOGETHER 16 /* fewer rays go one by one */
+
 /* True if the rays, one every `stride` bytes, are to go together: never by a traversal by name, else as the caller
  * says, or if most of eight of them point into one octant. Rays that point everywhere share too few nodes. */
 static bool go_together(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, size_t stride,
                         size_t count) {
     kdr_coherence coherence = def ? def->coherence : KDR_COHERENCE_UNKNOWN;
-    if (count < 16 || !scene->tree.wide || coherence == KDR_COHERENCE_INCOHERENT)
+    if (count < FEWEST_TOGETHER || !scene->tree.wide || coherence == KDR_COHERENCE_INCOHERENT)
         return false;
     if (coherence == KDR_COHERENCE_COHERENT)
         return true;
@@ -77,8 +79,9 @@ static inline void turn(const kdr_quad from[4], kdr_quad to[4]) {
 }
 
 /* Up to KDR_PACKET_RAYS rays as a packet, four at a time; those beyond the last repeat it. */
-static void gather(kdr_packet_rays *rays, const kdr_ray *from, size_t stride, uint32_t count) {
+static void gather(kdr_packet_rays *rays, const kdr_ray *from, size_t stride, uint32_t count, bool together) {
     rays->count = count;
+    rays->go_together = together;
     rays->valid = UINT64_MAX >> (KDR_PACKET_RAYS - count);
     /* The next rays are on their way while these are traced. */
     for (size_t i = 0; i < KDR_PACKET_RAYS * stride; i += 64)
@@ -106,7 +109,7 @@ static void gather(kdr_packet_rays *rays, const kdr_ray *from, size_t stride, ui
 static void intersect_packet(const kdr_scene *scene, kdr_ray_hit *ray_hits, uint32_t count) {
     kdr_packet_rays rays;
     kdr_packet_found found;
-    gather(&rays, &ray_hits->ray, sizeof *ray_hits, count);
+    gather(&rays, &ray_hits->ray, sizeof *ray_hits, count, true);
     scene->device->traversals->packet_closest(&scene->tree, &rays, &found);
     for (uint32_t i = 0; i < count; i++) {
         kdr_found one = {.t = found.t[i],
@@ -118,9 +121,10 @@ static void intersect_packet(const kdr_scene *scene, kdr_ray_hit *ray_hits, uint
     }
 }
 
-static void occluded_packet(const kdr_scene *scene, const kdr_ray *from, uint32_t count, uint8_t *occluded) {
+static void occluded_packet(const kdr_scene *scene, const kdr_ray *from, uint32_t count, bool together,
+                            uint8_t *occluded) {
     kdr_packet_rays rays;
-    gather(&rays, from, sizeof *from, count);
+    gather(&rays, from, sizeof *from, count, together);
     uint64_t found = scene->device->traversals->packet_any(&scene->tree, &rays);
     for (uint32_t i = 0; i < count; i++)
         occluded[i] = any(scene, found >> i & 1, &from[i]);
@@ -152,14 +156,16 @@ void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_h
 
 void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, uint8_t *occluded,
                     size_t count) {
+    const bool go_apart = scene->tree.wide && scene->device->traversals->takes_any_apart;
     for (size_t begin = 0; begin < count; begin += KDR_PACKET_RAYS) {
         const kdr_ray *part = rays + begin;
-        uint32_t together = next_rays(begin, count);
-        if (go_together(scene, def, part, sizeof *part, together)) {
-            occluded_packet(scene, part, together, occluded + begin);
+        uint32_t left = next_rays(begin, count);
+        bool together = go_together(scene, def, part, sizeof *part, left);
+        if (together || (go_apart && left >= FEWEST_TOGETHER)) {
+            occluded_packet(scene, part, left, together, occluded + begin);
             continue;
         }
-        for (uint32_t i = 0; i < together; i++)
+        for (uint32_t i = 0; i < left; i++)
             occluded[begin + i] = any(scene, scene->lone.any(&scene->tree, &part[i]), &part[i]);
     }
 }

@@ -10,8 +10,9 @@ typedef struct kdr_packet_rays {
     _Alignas(64) float origin[3][KDR_PACKET_RAYS];
     float direction[3][KDR_PACKET_RAYS];
     float tmin[KDR_PACKET_RAYS], tmax[KDR_PACKET_RAYS];
-    uint64_t valid; /* bit i: ray i is to be answered; the numbers of others have no meaning */
-    uint32_t count; /* rays beyond it are not valid, and their numbers need be set up to a multiple of 16 only */
+    uint64_t valid;   /* bit i: ray i is to be answered; the numbers of others have no meaning */
+    bool go_together; /* rays may share a walk: they start and point alike, or it is worth trying */
+    uint32_t count;   /* rays beyond it are not valid, and their numbers need be set up to a multiple of 16 only */
 } kdr_packet_rays;
 
 /* One of them as a ray. */

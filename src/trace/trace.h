@@ -30,6 +30,7 @@ typedef struct kdr_traversals {
     bool (*single_any)(const kdr_tree *tree, const kdr_ray *ray);
 
     /* The same for a packet, on any tree. packet_any gives one bit a ray. */
+    bool takes_any_apart; /* packet_any is also the fastest way for rays that do not go together */
     void (*packet_closest)(const kdr_tree *tree, const kdr_packet_rays *rays, kdr_packet_found *found);
     uint64_t (*packet_any)(const kdr_tree *tree, const kdr_packet_rays *rays);
 } kdr_traversals;

@@ -1,4 +1,5 @@
 /* The table of traversals: the stack of one ray, the fastest way of one ray, and packets. */
+#include "trace/flight_lanes.h"
 #include "trace/lone_lanes.h"
 #include "trace/packet_lanes.h"
 #include "trace/wide_lanes.h"
@@ -62,7 +63,8 @@ static void packet_closest(const kdr_tree *tree, const kdr_packet_rays *rays, kd
     packet_bits alone = rays->valid;
     if (has_packets(tree)) {
         packet_bits fit = packet_begin(&p, tree, rays, false);
-        alone = (alone & ~fit) | packet_run(&p, fit, false);
+        alone &= ~fit;
+        alone |= rays->go_together ? packet_run(&p, fit, false) : fit;
         packet_report(&p, fit & ~alone, found);
     }
     for (; alone; alone &= alone - 1) {
@@ -84,8 +86,14 @@ static uint64_t packet_any(const kdr_tree *tree, const kdr_packet_rays *rays) {
     packet p;
     packet_bits alone = rays->valid, found = 0;
     if (has_packets(tree)) {
-        packet_bits fit = packet_begin(&p, tree, rays, true);
-        alone = (alone & ~fit) | packet_run(&p, fit, true);
+        packet_bits fit = packet_begin(&p, tree, rays, true), apart = fit;
+        if (rays->go_together)
+            apart = packet_run(&p, fit, true);
+#if FLIGHT_PAYS
+        if (apart)
+            apart = flight_any(&p, apart);
+#endif
+        alone = (alone & ~fit) | apart;
         for (uint32_t v = 0; v < p.vectors; v++)
             found |= packet_bits_of(kdr_lanes_less(p.t.lanes[v], p.tmin.lanes[v]), v);
         found &= fit & ~alone;
@@ -105,5 +113,6 @@ const kdr_traversals KDR_LANES_SYMBOL(kdr_traversals) = {.stack_closest = stack_
                                                          .wants_wide = KDR_LANES > 1,
                                                          .single_closest = single_closest,
                                                          .single_any = single_any,
+                                                         .takes_any_apart = FLIGHT_PAYS,
                                                          .packet_closest = packet_closest,
                                                          .packet_any = packet_any};

@@ -9,6 +9,7 @@
 #include "support/soup.h"
 #include "support/test_size.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -134,9 +135,58 @@ static void a_ray_of_a_long_stream_gets_its_own_answer(void **state) {
     free(s);
 }
 
+#define ROW TEST_SIZE(20000) /* of triangles, one behind the other */
+
+/* Each leaf of its own, and every box on the way of a ray that hits nothing but the last: more children wait than
+ * rays that take turns have room for. */
+static void a_ray_that_meets_thousands_of_boxes_is_answered_among_others(void **state) {
+    (void)state;
+    float(*corners)[9] = test_allocate(ROW, sizeof *corners);
+    for (size_t i = 0; i < ROW; i++) {
+        const float x = (float)i, corner[9] = {x, 0, -1, x, 0, 1, x, 2, 0}, wall[9] = {x, -9, -9, x, -9, 9, x, 9, 0};
+        memcpy(corners[i], i + 1 < ROW ? corner : wall, sizeof corner);
+    }
+    kdr_triangles_def triangles = kdr_default_triangles_def();
+    triangles.vertices = corners[0];
+    triangles.vertex_count = 3 * ROW;
+    triangles.triangle_count = ROW;
+    kdr_build_def plan;
+    assert_int_equal(kdr_build_def_parse("leaf-limit=1 traversal-cost=0.01", &plan, NULL, 0), KDR_OK);
+    for (int isa = KDR_ISA_SCALAR; isa <= KDR_ISA_NEON; isa++) {
+        kdr_device *device = device_of_isa((kdr_isa)isa, 1, NULL);
+        if (!device)
+            continue;
+        kdr_scene *scene = committed_scene(device, &triangles, 1, &plan);
+        kdr_ray rays[100];
+        kdr_ray_hit given[100];
+        uint8_t occluded[100];
+        for (int i = 0; i < 100; i++) {
+            rays[i] = (kdr_ray){.origin_x = -1,
+                                .origin_y = 1.4f + 0.001f * (float)i,
+                                .origin_z = 0.9f,
+                                .direction_x = 1,
+                                .tmax = i % 3 ? INFINITY : (float)ROW - 0.5f};
+            given[i].ray = rays[i];
+        }
+        kdr_trace_def def = kdr_default_trace_def();
+        def.coherence = KDR_COHERENCE_INCOHERENT;
+        kdr_occluded_n(scene, &def, rays, occluded, 100);
+        kdr_intersect_n(scene, &def, given, 100);
+        for (int i = 0; i < 100; i++) {
+            assert_int_equal(occluded[i], i % 3 != 0);
+            assert_int_equal(given[i].hit.geometry, i % 3 ? 0 : KDR_INVALID_ID);
+            assert_true(i % 3 == 0 || (given[i].hit.primitive == ROW - 1 && given[i].ray.tmax == (float)ROW));
+        }
+        kdr_scene_destroy(scene);
+        kdr_device_destroy(device);
+    }
+    free(corners);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ray_of_a_long_stream_gets_its_own_answer),
+        cmocka_unit_test(a_ray_that_meets_thousands_of_boxes_is_answered_among_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -89,7 +89,7 @@ static size_t packet_differences(const kdr_tree *tree, const kdr_traversals *tab
                                  uint32_t kind) {
     const kdr_traversals *scalar = kdr_traversals_for(KDR_ISA_SCALAR);
     kdr_entry root = kdr_entry_root(tree);
-    kdr_packet_rays rays = {.valid = UINT64_MAX, .count = KDR_PACKET_RAYS};
+    kdr_packet_rays rays = {.valid = UINT64_MAX, .count = KDR_PACKET_RAYS, .go_together = kind % 3 != 0};
     kdr_packet_found found;
     const kdr_ray middle = random_ray(random, kind);
     for (uint32_t i = 0; i < KDR_PACKET_RAYS; i++) {
