@@ -17,6 +17,8 @@ const char *kdr_mesh_builtin_name(size_t i) { return i < RECIPE_COUNT ? recipes[
 
 const char *kdr_mesh_builtin_text(size_t i) { return i < RECIPE_COUNT ? recipes[i]->text : NULL; }
 
+bool kdr_mesh_builtin_moves(size_t i) { return i < RECIPE_COUNT && (recipes[i]->traits & KDR_SCENE_MOVING); }
+
 static const kdr_recipe *find(const char *name) {
     for (size_t i = 0; i < RECIPE_COUNT; i++)
         if (strcmp(recipes[i]->name, name) == 0)

@@ -3,14 +3,12 @@
  * Everything that can be found wrong before the work is: options, the view, the reference picture, names that cannot be
  * written. Then load, build and trace, and the results go out in the order picture, JSON, text. */
 #include "command.h"
-#include "fit_view.h"
 #include "render_options.h"
 #include "report.h"
 #include "signals.h"
 
 #include <inttypes.h>
 #include <string.h>
-#include <unistd.h>
 
 /* All that a render makes; what is not there is NULL. */
 typedef struct rendering {
@@ -37,7 +35,7 @@ static bool read_reference(rendering *work) {
         kdr_messages_fail_status(work->messages, options->compare, status);
         return false;
     }
-    if (!options->size_given) {
+    if (!options->picture.size_given) {
         work->picture.width = work->reference->width;
         work->picture.height = work->reference->height;
     }
@@ -66,18 +64,8 @@ static bool prepare(rendering *work) {
         return false;
     if (json && strcmp(json, "-") != 0 && !check_output(work, json, "the JSON"))
         return false;
-    if (options->texture && access(options->texture, R_OK) != 0) {
-        kdr_messages_fail(work->messages, "%s: %m", options->texture);
+    if (!kdr_picture_options_prepare(&options->picture, work->messages, &work->picture))
         return false;
-    }
-    if (options->view) {
-        kdr_status status =
-            kdr_camera_read(options->view, &work->logger, &work->picture.camera, work->picture.lights[0]);
-        if (status != KDR_OK) {
-            kdr_messages_fail_status(work->messages, options->view, status);
-            return false;
-        }
-    }
     return !options->compare || read_reference(work);
 }
 
@@ -95,35 +83,6 @@ static bool load(rendering *work) {
     return status == KDR_OK;
 }
 
-/* The camera and light of the model, or of the view; each option replaces its own part. */
-static void set_view(rendering *work) {
-    const kdr_render_options *options = work->options;
-    kdr_picture_def *picture = &work->picture;
-    if (!options->view) {
-        float bounds[6];
-        kdr_mesh_bounds(work->mesh, bounds);
-        picture->camera = kdr_camera_for_bounds(bounds);
-        kdr_light_for_bounds(bounds, picture->lights[0]);
-
-        // Who says nothing of the camera sees the whole model; the room of --box is made for the plain one.
-        bool framed = options->eye_given || options->target_given || options->up_given || options->fov_given;
-        if (!framed && !picture->box)
-            kdr_fit_view(&picture->camera, bounds, picture->width, picture->height);
-    }
-    if (options->eye_given)
-        memcpy(picture->camera.eye, options->camera.eye, sizeof(picture->camera.eye));
-    if (options->target_given)
-        memcpy(picture->camera.target, options->camera.target, sizeof(picture->camera.target));
-    if (options->up_given)
-        memcpy(picture->camera.up, options->camera.up, sizeof(picture->camera.up));
-    if (options->fov_given)
-        picture->camera.fov = options->camera.fov;
-    if (options->light_count > 0) {
-        picture->light_count = options->light_count;
-        memcpy(picture->lights, options->lights, sizeof(picture->lights));
-    }
-}
-
 static bool follow(uint64_t finished, uint64_t total, void *user) {
     rendering *work = user;
     kdr_signals_defer();
@@ -132,7 +91,9 @@ static bool follow(uint64_t finished, uint64_t total, void *user) {
 }
 
 static bool render(rendering *work) {
-    set_view(work);
+    float bounds[6];
+    kdr_mesh_bounds(work->mesh, bounds);
+    kdr_picture_options_look(&work->options->picture, bounds, &work->picture);
     work->picture.progress = follow;
     work->picture.progress_user = work;
     kdr_progress_step(work->progress, "building");
@@ -246,17 +207,8 @@ int kdr_command_render(int argc, char **argv) {
 
     kdr_progress progress = kdr_progress_make(options.quiet);
     kdr_messages messages = {.command = "kdray render", .quiet = options.quiet, .progress = &progress};
-    rendering work = {.options = &options,
-                      .messages = &messages,
-                      .logger = kdr_messages_logger(&messages),
-                      .progress = &progress,
-                      .picture = kdr_default_picture_def()};
-    work.picture.width = options.width;
-    work.picture.height = options.height;
-    work.picture.samples = options.samples;
-    work.picture.seed = options.seed;
-    work.picture.box = options.box;
-    work.picture.texture = options.texture;
+    rendering work = {
+        .options = &options, .messages = &messages, .logger = kdr_messages_logger(&messages), .progress = &progress};
 
     bool done = prepare(&work);
     if (done)

@@ -3,27 +3,18 @@
 #define KDR_APPS_KDRAY_RENDER_OPTIONS_H
 
 #include "output.h"
+#include "picture_options.h"
 #include "tree_options.h"
 
 typedef struct kdr_render_options {
     const char *file;
-    const char *output; /* NULL: no picture is written */
-    uint32_t width, height;
-    bool size_given;
-    kdr_camera camera; /* the parts that are given */
-    bool eye_given, target_given, up_given, fov_given;
-    const char *view; /* NULL: the model's own */
-    float lights[KDR_MAX_LIGHTS][3];
-    uint32_t light_count; /* 0: the view's or the model's */
-    bool box;
-    const char *texture; /* NULL: a checkerboard */
-    uint32_t samples;
-    uint64_t seed;
+    const char *output;  /* NULL: no picture is written */
     const char *compare; /* NULL: nothing */
     double threshold;
     bool time_given;
     double time; /* seconds into a file's animation */
     bool stats, quiet;
+    kdr_picture_options picture;
     kdr_tree_options tree;
 } kdr_render_options;
 

@@ -58,6 +58,35 @@ KDR_API kdr_status kdr_mesh_read(const char *path, const kdr_logger *logger, kdr
  * UNSUPPORTED also for a file of another kind, INVALID_ARGUMENT also for a time that is not finite. */
 KDR_API kdr_status kdr_mesh_read_at(const char *path, double seconds, const kdr_logger *logger, kdr_mesh **out);
 
+/* Something that moves: a mesh for every moment. */
+typedef struct kdr_animation kdr_animation;
+
+/* Opens what `path` names:
+ *   a glTF or GLB file: its first animation, as kdr_mesh_read_at shows it;
+ *   a name with # in its last part, "walk_####.ply": the files that have a number there, of at least as many digits,
+ *     with zeros before it if need be, each shown for 1 / rate seconds, the first from time 0 on;
+ *   "builtin:NAME[:TRIANGLES[:TIME]]": a built-in scene, which moves on from TIME for ever, or stands still;
+ *   any other mesh file: the same at all times.
+ * rate: files a second, above 0; only a sequence reads it. path is copied; files are read again by later samples.
+ * On failure *out is NULL and the log gets one sentence.
+ * Errors: as kdr_mesh_read; IO also for a sequence without files, INVALID_DATA for one with a number left out,
+ * INVALID_ARGUMENT (NULL, rate). Release: kdr_animation_destroy. */
+KDR_API kdr_status kdr_animation_open(const char *path, double rate, const kdr_logger *logger, kdr_animation **out);
+
+/* Seconds until it ends: 0 if it stands still, infinity if it goes on for ever. */
+KDR_API double kdr_animation_duration(const kdr_animation *animation);
+
+/* Makes *mesh what it is at `seconds`; a time before the beginning or behind the end is that end. *mesh is NULL, or the
+ * last sample of this animation, whose arrays are used again or replaced: pointers into them are then invalid. On
+ * failure it is still there, its contents those of before or, where a file was found broken on the way, undefined.
+ * Errors: as kdr_mesh_read; INVALID_ARGUMENT (NULL, a time that is not finite). One thread at a time.
+ * Release of the mesh: kdr_mesh_destroy, at any time. */
+KDR_API kdr_status kdr_animation_sample(kdr_animation *animation, double seconds, const kdr_logger *logger,
+                                        kdr_mesh **mesh);
+
+/* NULL is allowed. */
+KDR_API void kdr_animation_destroy(kdr_animation *animation);
+
 /* Makes the built-in scene `name` with about `triangle_count` triangles (0: its default size; 100 to 10 million) at
  * `time` in seconds (still scenes ignore it). The same arguments make the same mesh everywhere.
  * Errors: INVALID_ARGUMENT (no such scene, size), OUT_OF_MEMORY. Release: kdr_mesh_destroy. */
@@ -67,6 +96,9 @@ KDR_API kdr_status kdr_mesh_make(const char *name, size_t triangle_count, double
 /* Name and one-line description of built-in scene i, or NULL past the last; static storage. */
 KDR_API const char *kdr_mesh_builtin_name(size_t i);
 KDR_API const char *kdr_mesh_builtin_text(size_t i);
+
+/* True if built-in scene i differs from time to time; false past the last. */
+KDR_API bool kdr_mesh_builtin_moves(size_t i);
 
 KDR_API void kdr_mesh_destroy(kdr_mesh *mesh);
 
@@ -90,6 +122,10 @@ KDR_API void kdr_image_destroy(kdr_image *image);
 
 /* 8-bit sRGB PNG. The file appears whole under its name or not at all. Errors: IO, OUT_OF_MEMORY. */
 KDR_API kdr_status kdr_image_write_png(const kdr_image *image, const char *path, const kdr_logger *logger);
+
+/* The 8-bit sRGB values that a PNG file of it has: 3 bytes a pixel, rows from the top, 3 * width * height in all.
+ * Nothing may be NULL. */
+KDR_API void kdr_image_bytes(const kdr_image *image, uint8_t *bytes);
 
 /* Any PNG, converted to linear RGB; alpha is dropped. Errors: IO, INVALID_DATA, OUT_OF_MEMORY, LIMIT. */
 KDR_API kdr_status kdr_image_read_png(const char *path, const kdr_logger *logger, kdr_image **out);
@@ -149,6 +185,25 @@ typedef struct kdr_picture_stats {
 KDR_API kdr_status kdr_picture_render(kdr_device *device, const kdr_mesh *mesh, const kdr_picture_def *def,
                                       const kdr_build_def *build, const kdr_logger *logger, kdr_image **image,
                                       kdr_picture_stats *stats);
+
+/* A scene and room for pixels that are kept from picture to picture, for what moves: each picture builds the tree anew,
+ * in the memory of the last one. */
+typedef struct kdr_renderer kdr_renderer;
+
+/* device must outlive it. *out is NULL on failure. Errors: INVALID_ARGUMENT (NULL), OUT_OF_MEMORY. Release:
+ * kdr_renderer_destroy. */
+KDR_API kdr_status kdr_renderer_create(kdr_device *device, kdr_renderer **out);
+
+/* As kdr_picture_render, to the bit, for one mesh after the other, alike or not. *image is NULL or an image of before,
+ * which is written over if it has the size and replaced if not; on failure it is left to the caller, contents
+ * undefined. mesh must not change while this runs; it is not needed afterwards. The tree is not counted: stats->tree
+ * becomes all zero. Errors as kdr_picture_render. One thread at a time. */
+KDR_API kdr_status kdr_renderer_render(kdr_renderer *renderer, const kdr_mesh *mesh, const kdr_picture_def *def,
+                                       const kdr_build_def *build, const kdr_logger *logger, kdr_image **image,
+                                       kdr_picture_stats *stats);
+
+/* NULL is allowed. */
+KDR_API void kdr_renderer_destroy(kdr_renderer *renderer);
 
 #ifdef __cplusplus
 }

@@ -1,13 +1,10 @@
 /* Mesh files: opened, unpacked, told apart, read and finished. */
+#include "mesh/builtin.h"
 #include "mesh/file_bytes.h"
 #include "mesh/finish.h"
 #include "mesh/glb_frame.h"
-#include "mesh/number.h"
 #include "mesh/report.h"
 #include "mesh/source.h"
-
-#include <math.h>
-#include <string.h>
 
 typedef kdr_status reader(const kdr_source *source, kdr_mesh **out);
 
@@ -64,41 +61,17 @@ kdr_status kdr_mesh_read_source(const kdr_source *source, kdr_mesh **out) {
     return status;
 }
 
-#define BUILTIN "builtin:"
-#define MAX_BUILTIN_NAME 63
-
-/* NAME[:TRIANGLES[:TIME]] */
-static kdr_status make_builtin(const char *text, const kdr_logger *logger, kdr_mesh **out) {
-    char name[MAX_BUILTIN_NAME + 1];
-    size_t length = strcspn(text, ":");
-    const char *p = text + length, *end = text + strlen(text);
-    int64_t triangle_count = 0;
-    double time = 0;
-    bool is_sound = length <= MAX_BUILTIN_NAME;
-    if (is_sound && *p == ':') {
-        p++;
-        is_sound = kdr_number_read_int(&p, end, &triangle_count) && triangle_count >= 0;
-    }
-    if (is_sound && *p == ':') {
-        p++;
-        is_sound = kdr_number_read_double(&p, end, &time) && isfinite(time);
-    }
-    if (!is_sound || p != end)
-        return kdr_report(logger, KDR_ERROR_INVALID_ARGUMENT,
-                          "%s%s: expected " BUILTIN "NAME, NAME:TRIANGLES or NAME:TRIANGLES:SECONDS", BUILTIN, text);
-    memcpy(name, text, length);
-    name[length] = '\0';
-    return kdr_mesh_make(name, (size_t)triangle_count, time, logger, out);
-}
-
 kdr_status kdr_mesh_read(const char *path, const kdr_logger *logger, kdr_mesh **out) {
     if (!out)
         return kdr_report(logger, KDR_ERROR_INVALID_ARGUMENT, "expected a place for the mesh, found NULL");
     *out = NULL;
     if (!path)
         return kdr_report(logger, KDR_ERROR_INVALID_ARGUMENT, "expected a path, found NULL");
-    if (strncmp(path, BUILTIN, strlen(BUILTIN)) == 0)
-        return make_builtin(path + strlen(BUILTIN), logger, out);
+    if (kdr_builtin_is_meant(path)) {
+        kdr_builtin scene;
+        kdr_status status = kdr_builtin_parse(path, logger, &scene);
+        return status == KDR_OK ? kdr_mesh_make(scene.name, scene.triangle_count, scene.time, logger, out) : status;
+    }
 
     kdr_file_bytes file;
     kdr_status status = kdr_file_bytes_open(path, logger, &file);

@@ -39,6 +39,13 @@ void kdr_image_destroy(kdr_image *image) {
     kdr_render_release(image, sizeof(kdr_image));
 }
 
+void kdr_image_bytes(const kdr_image *image, uint8_t *bytes) {
+    const kdr_srgb_tables *srgb = kdr_srgb_get_tables();
+    size_t count = (size_t)image->width * image->height * 3;
+    for (size_t i = 0; i < count; i++)
+        bytes[i] = kdr_srgb_from_linear(srgb, image->rgb[i]);
+}
+
 kdr_status kdr_image_compare(const kdr_image *a, const kdr_image *b, double *difference) {
     if (!a || !b || !difference || a->width != b->width || a->height != b->height)
         return KDR_ERROR_INVALID_ARGUMENT;

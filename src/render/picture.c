@@ -22,16 +22,22 @@ kdr_picture_def kdr_default_picture_def(void) {
     };
 }
 
-/* Everything that a render makes on its way. */
-typedef struct rendering {
+/* What stays from picture to picture. */
+struct kdr_renderer {
     kdr_device *device;
-    const kdr_logger *logger;
-    kdr_scene *scene;
-    kdr_image *image;
-    kdr_image *texture;
+    kdr_scene *scene;      /* geometry 0: the mesh, geometry 1: the room, which may be without triangles */
     kdr_painter *painters; /* one a worker */
     uint32_t painter_count;
+};
+
+/* Everything that a render makes on its way. */
+typedef struct rendering {
+    kdr_renderer *renderer;
+    const kdr_logger *logger;
+    kdr_image *image;
+    kdr_image *texture;
     kdr_room room;
+    uint32_t painter_count; /* that have something to do */
     kdr_scenery scenery;
     kdr_tile_source source;
 } rendering;
@@ -60,7 +66,7 @@ static const char *find_fault(const kdr_device *device, const kdr_mesh *mesh, co
 }
 
 static kdr_status check_wish(rendering *picture, const kdr_mesh *mesh, const kdr_picture_def *def) {
-    const char *fault = find_fault(picture->device, mesh, def);
+    const char *fault = find_fault(picture->renderer->device, mesh, def);
     if (fault)
         return kdr_report(picture->logger, KDR_ERROR_INVALID_ARGUMENT, "%s", fault);
     fault = kdr_view_make(&def->camera, def->width, def->height, &picture->scenery.view);
@@ -71,30 +77,30 @@ static kdr_status check_wish(rendering *picture, const kdr_mesh *mesh, const kdr
 
 /* ---- what is in the picture */
 
-static kdr_status add_arrays(rendering *picture, const float *vertices, size_t vertex_count, const uint32_t *indices,
-                             size_t triangle_count) {
+static kdr_status set_arrays(rendering *picture, uint32_t geometry, const float *vertices, size_t vertex_count,
+                             const uint32_t *indices, size_t triangle_count) {
     kdr_triangles_def def = kdr_default_triangles_def();
     def.vertices = vertices;
     def.vertex_count = vertex_count;
     def.indices = indices;
     def.triangle_count = triangle_count;
-    return kdr_scene_add_triangles(picture->scene, &def, NULL);
+    return kdr_scene_set_triangles(picture->renderer->scene, geometry, &def);
 }
 
-static kdr_status make_scene(rendering *picture, const kdr_mesh *mesh, const kdr_picture_def *def,
-                             const kdr_build_def *build) {
-    kdr_status status = kdr_scene_create(picture->device, &picture->scene);
-    if (status == KDR_OK)
-        status = add_arrays(picture, mesh->positions, mesh->vertex_count, mesh->indices, mesh->triangle_count);
+static kdr_status build_scene(rendering *picture, const kdr_mesh *mesh, const kdr_picture_def *def,
+                              const kdr_build_def *build) {
+    kdr_status status =
+        set_arrays(picture, 0, mesh->positions, mesh->vertex_count, mesh->indices, mesh->triangle_count);
     float bounds[6];
     kdr_mesh_bounds(mesh, bounds);
-    if (status == KDR_OK && def->box && kdr_room_make(bounds, def->camera.up, &picture->room)) {
-        picture->scenery.stage.room = &picture->room;
-        status = add_arrays(picture, picture->room.vertices[0], KDR_BOX_VERTICES, picture->room.indices[0],
-                            KDR_BOX_TRIANGLES);
-    }
+    bool has_room = def->box && kdr_room_make(bounds, def->camera.up, &picture->room);
+    picture->scenery.stage.room = has_room ? &picture->room : NULL;
     if (status == KDR_OK)
-        status = kdr_scene_commit(picture->scene, build);
+        status = has_room ? set_arrays(picture, 1, picture->room.vertices[0], KDR_BOX_VERTICES,
+                                       picture->room.indices[0], KDR_BOX_TRIANGLES)
+                          : set_arrays(picture, 1, NULL, 0, NULL, 0);
+    if (status == KDR_OK)
+        status = kdr_scene_commit(picture->renderer->scene, build);
     if (status != KDR_OK)
         kdr_report(picture->logger, status, "the tree was not built: %s", kdr_status_text(status));
     return status;
@@ -117,20 +123,36 @@ static kdr_status make_scenery(rendering *picture, const kdr_mesh *mesh, const k
     return KDR_OK;
 }
 
-static kdr_status make_room_for_pixels(rendering *picture, const kdr_picture_def *def) {
+/* Room for the pixels, the caller's if it has the size, and for what the workers need. */
+static kdr_status make_room_for_pixels(rendering *picture, const kdr_picture_def *def, kdr_image **image) {
+    kdr_renderer *renderer = picture->renderer;
     kdr_tile_source_init(&picture->source, def);
-    kdr_status status = kdr_image_create(def->width, def->height, &picture->image);
-    uint32_t workers = kdr_device_worker_count(picture->device);
+    uint32_t workers = kdr_device_worker_count(renderer->device);
     picture->painter_count = workers < picture->source.block_count ? workers : picture->source.block_count;
-    if (status == KDR_OK) {
-        picture->painters = kdr_render_get(picture->painter_count, sizeof(kdr_painter));
-        status = picture->painters ? KDR_OK : KDR_ERROR_OUT_OF_MEMORY;
+    kdr_status status = KDR_OK;
+    if (!*image || (*image)->width != def->width || (*image)->height != def->height) {
+        kdr_image *made;
+        status = kdr_image_create(def->width, def->height, &made);
+        if (status == KDR_OK) {
+            kdr_image_destroy(*image);
+            *image = made;
+        }
+    }
+    if (status == KDR_OK && renderer->painter_count < picture->painter_count) {
+        kdr_painter *painters = kdr_render_get(picture->painter_count, sizeof(kdr_painter));
+        status = painters ? KDR_OK : KDR_ERROR_OUT_OF_MEMORY;
+        if (painters) {
+            kdr_render_release(renderer->painters, renderer->painter_count * sizeof(kdr_painter));
+            renderer->painters = painters;
+            renderer->painter_count = picture->painter_count;
+        }
     }
     if (status != KDR_OK)
         return kdr_report(picture->logger, status, "out of memory for a picture of %u x %u pixels", def->width,
                           def->height);
+    picture->image = *image;
     for (uint32_t i = 0; i < picture->painter_count; i++) {
-        kdr_painter *painter = &picture->painters[i];
+        kdr_painter *painter = &renderer->painters[i];
         painter->primary_rays = painter->hits = painter->shadow_rays = painter->occluded = 0;
     }
     return KDR_OK;
@@ -140,33 +162,87 @@ static kdr_status make_room_for_pixels(rendering *picture, const kdr_picture_def
 
 static void paint_blocks(void *context, uint32_t index) {
     rendering *picture = context;
+    kdr_painter *painter = &picture->renderer->painters[index];
     kdr_block block;
     while (kdr_tile_source_next(&picture->source, &block))
-        kdr_block_paint(&picture->painters[index], &picture->scenery, &block, &picture->source, picture->image);
+        kdr_block_paint(painter, &picture->scenery, &block, &picture->source, picture->image);
 }
 
 static kdr_status paint(rendering *picture, kdr_picture_stats *stats) {
-    picture->scenery.scene = picture->scene;
+    const kdr_renderer *renderer = picture->renderer;
+    picture->scenery.scene = renderer->scene;
     double begin = kdr_cpu_seconds();
-    kdr_device_run(picture->device, paint_blocks, picture, picture->painter_count);
+    kdr_device_run(renderer->device, paint_blocks, picture, picture->painter_count);
     stats->trace_seconds = kdr_cpu_seconds() - begin;
     for (uint32_t i = 0; i < picture->painter_count; i++) {
-        stats->primary_rays += picture->painters[i].primary_rays;
-        stats->hits += picture->painters[i].hits;
-        stats->shadow_rays += picture->painters[i].shadow_rays;
-        stats->occluded += picture->painters[i].occluded;
+        stats->primary_rays += renderer->painters[i].primary_rays;
+        stats->hits += renderer->painters[i].hits;
+        stats->shadow_rays += renderer->painters[i].shadow_rays;
+        stats->occluded += renderer->painters[i].occluded;
     }
     if (!kdr_tile_source_close(&picture->source))
         return kdr_report(picture->logger, KDR_ERROR_CANCELLED, "the picture was cancelled");
     return KDR_OK;
 }
 
-static void release(rendering *picture) {
-    kdr_scene_destroy(picture->scene);
+kdr_status kdr_renderer_create(kdr_device *device, kdr_renderer **out) {
+    if (!out)
+        return KDR_ERROR_INVALID_ARGUMENT;
+    *out = NULL;
+    if (!device)
+        return KDR_ERROR_INVALID_ARGUMENT;
+    kdr_renderer *renderer = kdr_render_get(1, sizeof *renderer);
+    if (!renderer)
+        return KDR_ERROR_OUT_OF_MEMORY;
+    *renderer = (kdr_renderer){.device = device};
+    kdr_status status = kdr_scene_create(device, &renderer->scene);
+    const kdr_triangles_def nothing = kdr_default_triangles_def();
+    for (int geometry = 0; geometry < 2 && status == KDR_OK; geometry++)
+        status = kdr_scene_add_triangles(renderer->scene, &nothing, NULL);
+    if (status == KDR_OK)
+        *out = renderer;
+    else
+        kdr_renderer_destroy(renderer);
+    return status;
+}
+
+void kdr_renderer_destroy(kdr_renderer *renderer) {
+    if (!renderer)
+        return;
+    kdr_scene_destroy(renderer->scene);
+    kdr_render_release(renderer->painters, renderer->painter_count * sizeof(kdr_painter));
+    kdr_render_release(renderer, sizeof *renderer);
+}
+
+kdr_status kdr_renderer_render(kdr_renderer *renderer, const kdr_mesh *mesh, const kdr_picture_def *def,
+                               const kdr_build_def *build, const kdr_logger *logger, kdr_image **image,
+                               kdr_picture_stats *stats) {
+    if (!renderer || !image)
+        return kdr_report(logger, KDR_ERROR_INVALID_ARGUMENT, "rendering needs a renderer and room for an image");
+    rendering *picture = kdr_render_get(1, sizeof(*picture));
+    if (!picture)
+        return kdr_report(logger, KDR_ERROR_OUT_OF_MEMORY, "out of memory before rendering");
+    memset(picture, 0, sizeof(*picture));
+    picture->renderer = renderer;
+    picture->logger = logger;
+
+    kdr_picture_stats counted = {0};
+    kdr_status status = check_wish(picture, mesh, def);
+    if (status == KDR_OK)
+        status = make_scenery(picture, mesh, def);
+    if (status == KDR_OK)
+        status = make_room_for_pixels(picture, def, image);
+    double begin = kdr_cpu_seconds();
+    if (status == KDR_OK)
+        status = build_scene(picture, mesh, def, build);
+    counted.build_seconds = kdr_cpu_seconds() - begin;
+    if (status == KDR_OK)
+        status = paint(picture, &counted);
+    if (status == KDR_OK && stats)
+        *stats = counted;
     kdr_image_destroy(picture->texture);
-    kdr_image_destroy(picture->image);
-    kdr_render_release(picture->painters, picture->painter_count * sizeof(kdr_painter));
     kdr_render_release(picture, sizeof(*picture));
+    return status;
 }
 
 kdr_status kdr_picture_render(kdr_device *device, const kdr_mesh *mesh, const kdr_picture_def *def,
@@ -175,33 +251,23 @@ kdr_status kdr_picture_render(kdr_device *device, const kdr_mesh *mesh, const kd
     if (!image)
         return kdr_report(logger, KDR_ERROR_INVALID_ARGUMENT, "rendering needs room for an image");
     *image = NULL;
-    rendering *picture = kdr_render_get(1, sizeof(*picture));
-    if (!picture)
-        return kdr_report(logger, KDR_ERROR_OUT_OF_MEMORY, "out of memory before rendering");
-    memset(picture, 0, sizeof(*picture));
-    picture->device = device;
-    picture->logger = logger;
-
-    kdr_picture_stats counted = {0};
-    kdr_status status = check_wish(picture, mesh, def);
-    if (status == KDR_OK)
-        status = make_scenery(picture, mesh, def);
-    if (status == KDR_OK)
-        status = make_room_for_pixels(picture, def);
-    double begin = kdr_cpu_seconds();
-    if (status == KDR_OK)
-        status = make_scene(picture, mesh, def, build);
-    counted.build_seconds = kdr_cpu_seconds() - begin;
-    if (status == KDR_OK)
-        status = paint(picture, &counted);
+    const char *fault = find_fault(device, mesh, def);
+    if (fault)
+        return kdr_report(logger, KDR_ERROR_INVALID_ARGUMENT, "%s", fault);
+    kdr_renderer *renderer;
+    kdr_status status = kdr_renderer_create(device, &renderer);
+    if (status != KDR_OK)
+        return kdr_report(logger, status, "out of memory before rendering");
+    kdr_picture_stats counted;
+    status = kdr_renderer_render(renderer, mesh, def, build, logger, image, &counted);
     if (status == KDR_OK && stats)
-        status = kdr_scene_stats(picture->scene, &counted.tree);
-    if (status == KDR_OK) {
-        *image = picture->image;
-        picture->image = NULL;
-        if (stats)
-            *stats = counted;
+        status = kdr_scene_stats(renderer->scene, &counted.tree);
+    if (status == KDR_OK && stats)
+        *stats = counted;
+    kdr_renderer_destroy(renderer);
+    if (status != KDR_OK) {
+        kdr_image_destroy(*image);
+        *image = NULL;
     }
-    release(picture);
     return status;
 }

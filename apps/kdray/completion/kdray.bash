@@ -7,7 +7,7 @@ _kdray() {
     COMPREPLY=()
 
     if ((COMP_CWORD == 1)); then
-        mapfile -t COMPREPLY < <(compgen -W 'render info bench --help --version' -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W 'render animate info bench --help --version' -- "$word")
         return
     fi
 
@@ -26,7 +26,7 @@ _kdray() {
         mapfile -t COMPREPLY < <(compgen -W 'kdray embree' -- "$word")
         return
         ;;
-    -o | --output | --view | --texture | --compare | --json | --csv)
+    -o | --output | --view | --texture | --compare | --json | --csv | --video)
         compopt -o filenames 2>/dev/null
         mapfile -t COMPREPLY < <(compgen -f -- "$word")
         return
@@ -36,18 +36,17 @@ _kdray() {
         return
         ;;
     -r | --resolution | -t | --threads | --spp | --seed | --time | --camera | --target | --up | --fov | --light | --threshold | \
-        --rounds | --plan | --traversal-cost | --intersection-cost | --leaf-limit | --depth-limit | --reference-limit)
+        --rounds | --frames | --fps | --plan | --traversal-cost | --intersection-cost | --leaf-limit | --depth-limit | --reference-limit)
         return
         ;;
     esac
 
     if [[ $word == -* ]]; then
         local options=''
+        local picture='--output --resolution --spp --seed --view --camera --target --up --fov --light --box --texture'
         case $command in
-        render)
-            options="--output --resolution --spp --seed --time --view --camera --target --up --fov --light --box --texture
-                --compare --threshold --stats $build"
-            ;;
+        render) options="$picture --time --compare --threshold --stats $build" ;;
+        animate) options="$picture --frames --fps --resume --video --csv $build" ;;
         info) options="--scenes --plans --slice --output --trace $build" ;;
         bench) options="--resolution --rounds --only --csv $build" ;;
         esac
