@@ -23,6 +23,7 @@
 
 #include "kdray/counts.h"
 #include "kdray/plan.h"
+#include "kdray/rays.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -71,7 +72,6 @@ KDR_API const char *kdr_version(void);
 
 typedef struct kdr_device kdr_device;
 typedef struct kdr_scene kdr_scene;
-typedef struct kdr_ray kdr_ray;
 
 /* Instruction sets, narrowest first. A device uses the widest one that machine, KDR_ISA and isa_limit all allow. */
 typedef enum kdr_isa {
@@ -184,7 +184,7 @@ KDR_API void kdr_scene_destroy(kdr_scene *scene);
 KDR_API kdr_status kdr_scene_add_triangles(kdr_scene *scene, const kdr_triangles_def *def, uint32_t *geometry);
 
 /* Gives a geometry of triangles new arrays or counts, in force from the next commit on.
- * Errors: INVALID_ARGUMENT (also: a geometry of custom primitives). */
+ * Errors: INVALID_ARGUMENT (also: another kind of geometry). */
 KDR_API kdr_status kdr_scene_set_triangles(kdr_scene *scene, uint32_t geometry, const kdr_triangles_def *def);
 
 /* The hit of a ray and a custom primitive, as its callback says. All fields are 0 before the call. */
@@ -226,12 +226,47 @@ KDR_API kdr_custom_def kdr_default_custom_def(void);
 KDR_API kdr_status kdr_scene_add_custom(kdr_scene *scene, const kdr_custom_def *def, uint32_t *geometry);
 
 /* Gives a geometry of custom primitives another def, in force from the next commit on; until then queries call the old
- * functions with the old user pointer. Errors: INVALID_ARGUMENT (also: a geometry of triangles). */
+ * functions with the old user pointer. Errors: INVALID_ARGUMENT (also: another kind of geometry). */
 KDR_API kdr_status kdr_scene_set_custom(kdr_scene *scene, uint32_t geometry, const kdr_custom_def *def);
 
-/* Says that the arrays of a geometry have new contents, or the boxes of its custom primitives. A commit of a scene in
- * which nothing was added, set or touched, with the same build def, does nothing.
- * Errors: INVALID_ARGUMENT (no such geometry). */
+#define KDR_MAX_INSTANCE_DEPTH 8
+
+/* Instances: a committed scene that stands in another one, as often as there are transforms. */
+typedef struct kdr_instance_def {
+    size_t size;            /* set by kdr_default_instance_def */
+    const kdr_scene *scene; /* what they show: of the same device, created before the scene they are added to */
+    const float
+        *transforms; /* 12 numbers each, rows of 4: (x, y, z) goes to m[0] x + m[1] y + m[2] z + m[3] and so on */
+    size_t transform_stride; /* bytes from one to the next, a multiple of 4, at least 48; default 48 */
+    uint32_t count;          /* transforms; default 1, may be 0 */
+} kdr_instance_def;
+
+KDR_API kdr_instance_def kdr_default_instance_def(void);
+
+/* Adds instances; they take part from the next commit on, as they are then. Geometries of all kinds share one
+ * numbering: see kdr_scene_add_triangles. Transforms are borrowed as arrays of triangles are. The scene that is shown
+ * must outlive this one's last commit and queries; when it is committed again, touch this geometry and commit this
+ * scene before asking it. Instances may show scenes that have instances, KDR_MAX_INSTANCE_DEPTH deep at most.
+ *
+ * An instance answers a ray as kdr_intersect1 does in the scene that is shown, for the ray through the inverse of the
+ * transform, which is worked out in doubles and rounded to floats; the distance is then that of the ray itself, and of
+ * equal ones the lowest geometry of this scene wins, then the lowest instance. hit.geometry and hit.primitive are
+ * numbers in the scene that holds the triangle, hit.instance that of the instance in this scene, counted from 0 through
+ * all its instances in the order of geometries; the normal is that of the triangle as it stands in this scene. A ray
+ * that starts some hundred times farther away than the instance is from the origin may pass its border by.
+ * A transform with a number that is not finite, or of a scene without primitives, leaves its instance out; one that
+ * cannot be undone is an error of the commit: INVALID_DATA. Points and radii are searched for among triangles alone.
+ *
+ * Errors: INVALID_ARGUMENT (def, scene, transforms missing, stride), LIMIT (2^32 - 1 geometries), OUT_OF_MEMORY. */
+KDR_API kdr_status kdr_scene_add_instance(kdr_scene *scene, const kdr_instance_def *def, uint32_t *geometry);
+
+/* Gives a geometry of instances another def, in force from the next commit on. Errors: INVALID_ARGUMENT (also: another
+ * kind of geometry). */
+KDR_API kdr_status kdr_scene_set_instance(kdr_scene *scene, uint32_t geometry, const kdr_instance_def *def);
+
+/* Says that the arrays of a geometry have new contents, or the boxes of its custom primitives, or what instances show.
+ * A commit of a scene in which nothing was added, set or touched, with the same build def, does nothing. Errors:
+ * INVALID_ARGUMENT (no such geometry). */
 KDR_API kdr_status kdr_scene_touch(kdr_scene *scene, uint32_t geometry);
 
 #define KDR_MAX_DEPTH 60
@@ -344,32 +379,6 @@ KDR_API kdr_status kdr_trace_counts_take(kdr_trace_counts *out);
 
 /* --------------------------------------------------------------------------------------------------- queries */
 
-/* Field order is that of Embree's RTCRay; 16-byte alignment is not required. */
-typedef struct kdr_ray {
-    float origin_x, origin_y, origin_z;
-    float tmin;                                  /* exclusive; in units of the direction's length; may be negative */
-    float direction_x, direction_y, direction_z; /* any length but zero */
-    float time;                                  /* not read */
-    float tmax;                                  /* inclusive; infinity is allowed */
-    uint32_t mask;                               /* not read */
-    uint32_t id;                                 /* not read; the caller's */
-    uint32_t flags;                              /* not read */
-} kdr_ray;
-
-/* Field order is that of Embree's RTCHit. Normal, u and v of a custom primitive are what its callback says. */
-typedef struct kdr_hit {
-    float normal_x, normal_y, normal_z; /* (b - a) x (c - a) of triangle a, b, c: not unit length */
-    float u, v;                         /* hit point = (1 - u - v) a + u b + v c */
-    uint32_t primitive;                 /* number of the primitive within its geometry */
-    uint32_t geometry;                  /* KDR_INVALID_ID: nothing was hit */
-    uint32_t instance;                  /* KDR_INVALID_ID */
-} kdr_hit;
-
-typedef struct kdr_ray_hit {
-    kdr_ray ray;
-    kdr_hit hit;
-} kdr_ray_hit;
-
 /* Finds the closest hit. If there is one, ray.tmax becomes its distance and hit is filled in; if not, ray is left
  * alone and hit.geometry becomes KDR_INVALID_ID.
  *
@@ -388,30 +397,6 @@ KDR_API void kdr_intersect1(const kdr_scene *scene, kdr_ray_hit *ray_hit);
 
 /* True if there is any hit as defined above. */
 KDR_API bool kdr_occluded1(const kdr_scene *scene, const kdr_ray *ray);
-
-/* Packets of 4, 8 and 16 rays in structure-of-arrays form: ray i has element i of every array. Fields, their order and
- * what each means are those of kdr_ray and kdr_hit; the layout is that of Embree's RTCRay4 to RTCRayHit16. No alignment
- * beyond that of a float is required. */
-#define KDR_PACKET_TYPES(N)                                                                                            \
-    typedef struct kdr_ray##N {                                                                                        \
-        float origin_x[N], origin_y[N], origin_z[N], tmin[N];                                                          \
-        float direction_x[N], direction_y[N], direction_z[N], time[N];                                                 \
-        float tmax[N];                                                                                                 \
-        uint32_t mask[N], id[N], flags[N];                                                                             \
-    } kdr_ray##N;                                                                                                      \
-    typedef struct kdr_hit##N {                                                                                        \
-        float normal_x[N], normal_y[N], normal_z[N], u[N], v[N];                                                       \
-        uint32_t primitive[N], geometry[N], instance[N];                                                               \
-    } kdr_hit##N;                                                                                                      \
-    typedef struct kdr_ray_hit##N {                                                                                    \
-        kdr_ray##N ray;                                                                                                \
-        kdr_hit##N hit;                                                                                                \
-    } kdr_ray_hit##N
-
-KDR_PACKET_TYPES(4);
-KDR_PACKET_TYPES(8);
-KDR_PACKET_TYPES(16);
-#undef KDR_PACKET_TYPES
 
 /* The same for packets: each active ray is answered as by kdr_intersect1, to the bit, and what belongs to the others is
  * not changed, whatever it is. valid: one number a ray, 0 where it is not active, any other (Embree has -1) where it

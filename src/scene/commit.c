@@ -70,6 +70,18 @@ static kdr_status add_annexes(kdr_device *device, const kdr_plan *plan, kdr_tree
     return made ? KDR_OK : KDR_ERROR_OUT_OF_MEMORY;
 }
 
+/* How many scenes lie below one another in it, counted through instances. */
+static uint32_t nesting_of(const kdr_scene *scene) {
+    uint32_t deepest = 0;
+    for (uint32_t g = 0; scene->custom_defs && g < scene->geometry_count; g++) {
+        if (!kdr_scene_is_instance(scene, g))
+            continue;
+        const kdr_instance_def *def = scene->custom_defs[g].user;
+        deepest = def->scene->nesting + 1 > deepest ? def->scene->nesting + 1 : deepest;
+    }
+    return deepest;
+}
+
 kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
     if (!scene)
         return KDR_ERROR_INVALID_ARGUMENT;
@@ -84,7 +96,10 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
         return KDR_OK;
 
     double start = kdr_cpu_seconds();
-    uint32_t *first = NULL;
+    uint32_t *first = NULL, nesting = nesting_of(scene);
+    if (nesting > KDR_MAX_INSTANCE_DEPTH)
+        return kdr_device_fail(device, KDR_ERROR_LIMIT, "instances lie at most %d deep in one another",
+                               KDR_MAX_INSTANCE_DEPTH);
     kdr_status status = number_triangles(scene, &first);
     if (status != KDR_OK)
         return status;
@@ -121,6 +136,7 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
     scene->customs = customs;
     scene->lone = kdr_lone_for(device->isa, plan.trace, plan.nodes, plan.mailbox);
     scene->first = first;
+    scene->nesting = nesting;
     scene->committed_count = scene->geometry_count;
     scene->committed = true;
     scene->changed = false;

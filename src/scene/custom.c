@@ -29,7 +29,7 @@ kdr_status kdr_scene_set_custom(kdr_scene *scene, uint32_t geometry, const kdr_c
         return kdr_device_fail(scene->device, KDR_ERROR_INVALID_ARGUMENT, "%s", problem);
     if (geometry >= scene->geometry_count)
         return kdr_device_fail(scene->device, KDR_ERROR_INVALID_ARGUMENT, "the scene has no geometry %u", geometry);
-    if (!kdr_scene_is_custom(scene, geometry))
+    if (!kdr_scene_is_custom(scene, geometry) || kdr_scene_is_instance(scene, geometry))
         return kdr_device_fail(scene->device, KDR_ERROR_INVALID_ARGUMENT, "geometry %u has no custom primitives",
                                geometry);
     scene->custom_defs[geometry] = *def;

@@ -59,6 +59,8 @@ static void fill(const void *context, float *blocks, kdr_node leaf, const uint32
                       i < count ? primitives[i] : UINT32_MAX);
 }
 
+static bool is_instances(const kdr_custom_def *def) { return def->bounds == kdr_instances_bounds; }
+
 /* Says which primitive has a box that is upside down. */
 static kdr_status fail_invalid(const kdr_device *device, const custom_input *input, uint64_t invalid) {
     const kdr_customs *c = input->customs;
@@ -69,6 +71,10 @@ static kdr_status fail_invalid(const kdr_device *device, const custom_input *inp
     while (box->lo[axis] <= box->hi[axis])
         axis++;
     uint32_t g = kdr_geometry_of(c->first, c->count, i);
+    if (is_instances(&c->defs[g]))
+        return kdr_device_fail(device, KDR_ERROR_INVALID_DATA,
+                               "instance %u of geometry %u has a transform that cannot be undone (%llu such in all)",
+                               i - c->first[g], g, (unsigned long long)invalid);
     return kdr_device_fail(
         device, KDR_ERROR_INVALID_DATA,
         "custom primitive %u of geometry %u has a box from %g to %g on axis %c (%llu such boxes in all)",
@@ -94,6 +100,24 @@ static kdr_status build(kdr_device *device, const kdr_plan *plan, kdr_customs *c
                         kdr_status_text(status));
     kdr_bulk_put(&device->bulk, context.boxes, box_bytes);
     return status;
+}
+
+/* Puts instances as they are now in the place of their defs, numbered through. False: no memory; those that were made
+ * are there, and NULL is for the others. */
+static bool take_instances(kdr_device *device, kdr_customs *c) {
+    uint32_t number = 0;
+    bool made = true;
+    for (uint32_t g = 0; g < c->count; g++) {
+        if (!is_instances(&c->defs[g]))
+            continue;
+        kdr_instances *instances = made ? kdr_instances_create(device, c->defs[g].user) : NULL;
+        made = instances != NULL;
+        c->defs[g].user = instances;
+        if (made)
+            instances->first = number;
+        number += c->defs[g].primitive_count;
+    }
+    return made;
 }
 
 kdr_status kdr_customs_create(kdr_device *device, const kdr_custom_def *defs, uint32_t count, const kdr_plan *plan,
@@ -125,7 +149,12 @@ kdr_status kdr_customs_create(kdr_device *device, const kdr_custom_def *defs, ui
         c->first[g + 1] = c->first[g] + defs[g].primitive_count;
     }
 
-    kdr_status status = build(device, plan, c);
+    c->is_taken = true;
+    kdr_status status = take_instances(device, c) ? KDR_OK : KDR_ERROR_OUT_OF_MEMORY;
+    if (status == KDR_OK)
+        status = build(device, plan, c);
+    else
+        kdr_device_fail(device, status, "out of memory for instances");
     if (status == KDR_OK)
         *out = c;
     else
@@ -137,6 +166,9 @@ void kdr_customs_destroy(kdr_customs *customs, kdr_device *device) {
     if (!customs)
         return;
     kdr_tree_release(&customs->tree, &device->bulk);
+    for (uint32_t g = 0; customs->is_taken && g < customs->count; g++)
+        if (is_instances(&customs->defs[g]))
+            kdr_instances_destroy(customs->defs[g].user, device);
     kdr_alloc_release(&device->alloc, customs->defs, customs->count * sizeof *customs->defs);
     kdr_alloc_release(&device->alloc, customs->first, ((size_t)customs->count + 1) * sizeof *customs->first);
     kdr_alloc_release(&device->alloc, customs, sizeof *customs);
@@ -144,43 +176,67 @@ void kdr_customs_destroy(kdr_customs *customs, kdr_device *device) {
 
 /* ---- queries */
 
-static bool intersect(const void *context, const kdr_ray *ray, uint32_t primitive, kdr_custom_hit *hit) {
-    const kdr_customs *c = context;
-    uint32_t g = kdr_geometry_of(c->first, c->count, primitive);
-    return c->defs[g].intersect(ray, primitive - c->first[g], hit, c->defs[g].user);
+/* A ray on its way, and what the primitive that it met last, and the one that it met first of all, is called. */
+typedef struct custom_query {
+    const kdr_customs *customs;
+    kdr_hit met, closest; /* primitive, geometry and instance alone */
+} custom_query;
+
+static bool intersect(void *context, const kdr_ray *ray, uint32_t primitive, kdr_custom_hit *hit) {
+    custom_query *query = context;
+    const kdr_customs *c = query->customs;
+    uint32_t g = kdr_geometry_of(c->first, c->count, primitive), i = primitive - c->first[g];
+    const kdr_custom_def *def = &c->defs[g];
+    if (is_instances(def)) {
+        const kdr_instances *instances = def->user;
+        query->met.instance = instances->first + i;
+        return kdr_instances_closest(instances, i, ray, hit, &query->met);
+    }
+    query->met.primitive = i;
+    query->met.geometry = g;
+    query->met.instance = KDR_INVALID_ID;
+    return def->intersect(ray, i, hit, def->user);
 }
 
-static bool occluded(const void *context, const kdr_ray *ray, uint32_t primitive) {
-    const kdr_customs *c = context;
-    uint32_t g = kdr_geometry_of(c->first, c->count, primitive);
+static void take(void *context) {
+    custom_query *query = context;
+    query->closest = query->met;
+}
+
+static bool occluded(void *context, const kdr_ray *ray, uint32_t primitive) {
+    const kdr_customs *c = ((custom_query *)context)->customs;
+    uint32_t g = kdr_geometry_of(c->first, c->count, primitive), i = primitive - c->first[g];
     const kdr_custom_def *def = &c->defs[g];
+    if (is_instances(def))
+        return kdr_instances_any(def->user, i, ray);
     if (def->occluded)
-        return def->occluded(ray, primitive - c->first[g], def->user);
+        return def->occluded(ray, i, def->user);
     kdr_custom_hit hit = {0};
-    return def->intersect(ray, primitive - c->first[g], &hit, def->user) && hit.t > ray->tmin && hit.t <= ray->tmax;
+    return def->intersect(ray, i, &hit, def->user) && hit.t > ray->tmin && hit.t <= ray->tmax;
 }
 
 void kdr_customs_closest(const kdr_customs *customs, kdr_ray_hit *ray_hit) {
-    kdr_custom_answers answers = {customs, intersect, occluded};
+    custom_query query = {.customs = customs};
+    kdr_custom_answers answers = {&query, intersect, take, occluded};
     uint32_t triangle = ray_hit->hit.geometry, primitive;
     /* At the distance of a triangle only primitives of lower geometries count. */
     uint32_t limit = triangle == KDR_INVALID_ID ? UINT32_MAX : customs->first[triangle];
     kdr_custom_hit hit;
     if (!kdr_custom_closest(&customs->tree, &answers, &ray_hit->ray, limit, &hit, &primitive))
         return;
-    uint32_t geometry = kdr_geometry_of(customs->first, customs->count, primitive);
     ray_hit->ray.tmax = hit.t;
     ray_hit->hit = (kdr_hit){.normal_x = hit.normal_x,
                              .normal_y = hit.normal_y,
                              .normal_z = hit.normal_z,
                              .u = hit.u,
                              .v = hit.v,
-                             .primitive = primitive - customs->first[geometry],
-                             .geometry = geometry,
-                             .instance = KDR_INVALID_ID};
+                             .primitive = query.closest.primitive,
+                             .geometry = query.closest.geometry,
+                             .instance = query.closest.instance};
 }
 
 bool kdr_customs_any(const kdr_customs *customs, const kdr_ray *ray) {
-    kdr_custom_answers answers = {customs, intersect, occluded};
+    custom_query query = {.customs = customs};
+    kdr_custom_answers answers = {&query, intersect, take, occluded};
     return kdr_custom_any(&customs->tree, &answers, ray);
 }

@@ -4,12 +4,14 @@
 #define KDR_SCENE_CUSTOMS_H
 
 #include "scene/device.h"
+#include "scene/instances.h"
 
 typedef struct kdr_customs {
     kdr_tree tree;
-    kdr_custom_def *defs; /* a geometry, as they were when the commit ran */
+    kdr_custom_def *defs; /* a geometry, as they were when the commit ran; instances: user is a kdr_instances */
     uint32_t *first;      /* first[g] is the number of geometry g's first primitive; first[count] the total */
     uint32_t count;       /* geometries */
+    bool is_taken;        /* instances have been put in the place of their defs */
 } kdr_customs;
 
 /* Builds the tree. defs: `count` of them, or NULL. *out becomes NULL if there is no primitive. Whatever fails, the log

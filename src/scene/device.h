@@ -15,6 +15,7 @@ struct kdr_device {
     kdr_bulk bulk;            /* large memory that is used again */
     kdr_workshop *workshop;
     const kdr_traversals *traversals;
+    _Atomic uint64_t scene_count; /* ever created */
     kdr_log_fn *log;
     void *log_user;
 };

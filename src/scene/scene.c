@@ -15,6 +15,7 @@ kdr_status kdr_scene_create(kdr_device *device, kdr_scene **out) {
     if (!scene)
         return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for a scene");
     *scene = (kdr_scene){.device = device,
+                         .serial = device->scene_count++,
                          .changed = true,
                          .lone = kdr_lone_for(device->isa, KDR_TRACE_AUTO, KDR_NODES_STRUCTURES, KDR_MAILBOX_NONE)};
     if (!kdr_tree_init_empty(&scene->tree, &device->bulk)) {
@@ -32,6 +33,9 @@ void kdr_scene_destroy(kdr_scene *scene) {
     kdr_tree_release(&scene->tree, &scene->device->bulk);
     kdr_customs_destroy(scene->customs, scene->device);
     kdr_alloc_release(alloc, scene->first, ((size_t)scene->committed_count + 1) * sizeof *scene->first);
+    for (uint32_t g = 0; scene->custom_defs && g < scene->geometry_count; g++)
+        if (kdr_scene_is_instance(scene, g))
+            kdr_alloc_release(alloc, scene->custom_defs[g].user, sizeof(kdr_instance_def));
     kdr_alloc_release(alloc, scene->geometries, scene->geometry_capacity * sizeof *scene->geometries);
     kdr_alloc_release(alloc, scene->custom_defs, scene->geometry_capacity * sizeof *scene->custom_defs);
     kdr_alloc_release(alloc, scene, sizeof *scene);

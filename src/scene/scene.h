@@ -4,12 +4,14 @@
 
 #include "scene/customs.h"
 #include "scene/device.h"
+#include "scene/instances.h"
 #include "scene/triangles.h"
 
 struct kdr_scene {
     kdr_device *device;
+    uint64_t serial; /* of the device's scenes, in the order they were created: instances show lower ones only */
     kdr_triangles_def *geometries; /* those of custom primitives have no triangles here */
-    kdr_custom_def *custom_defs;   /* a geometry; size 0: of triangles. NULL: all are */
+    kdr_custom_def *custom_defs;   /* a geometry; size 0: of triangles. NULL: all are. For instances see instances.h */
     uint32_t geometry_count;
     size_t geometry_capacity;
     bool changed; /* something was added, set or touched since the last commit */
@@ -20,6 +22,7 @@ struct kdr_scene {
     kdr_lone lone;            /* how a lone ray is asked, by the plan */
     uint32_t *first;          /* first[g]: number of geometry g's first triangle; committed_count + 1 entries */
     uint32_t committed_count; /* geometries */
+    uint32_t nesting;         /* scenes below one another that it shows; 0: it has no instances */
     bool committed;
     kdr_plan plan;
     double build_seconds;
@@ -32,6 +35,11 @@ kdr_status kdr_scene_add(kdr_scene *scene, const kdr_triangles_def *triangles, c
 /* True if a geometry has custom primitives. */
 static inline bool kdr_scene_is_custom(const kdr_scene *scene, uint32_t geometry) {
     return scene->custom_defs && scene->custom_defs[geometry].size > 0;
+}
+
+/* True if it has instances. */
+static inline bool kdr_scene_is_instance(const kdr_scene *scene, uint32_t geometry) {
+    return kdr_scene_is_custom(scene, geometry) && scene->custom_defs[geometry].bounds == kdr_instances_bounds;
 }
 
 #endif

@@ -91,6 +91,7 @@ static void ask(custom_search *s, uint32_t primitive) {
         s->primitive = primitive;
         s->found = true;
         *s->hit = hit;
+        s->answers->take(s->answers->context);
     }
 }
 

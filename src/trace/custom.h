@@ -6,9 +6,10 @@
 
 /* Who answers for the primitives. The ray's tmax is the distance of the closest hit so far. */
 typedef struct kdr_custom_answers {
-    const void *context;
-    bool (*intersect)(const void *context, const kdr_ray *ray, uint32_t primitive, kdr_custom_hit *hit);
-    bool (*occluded)(const void *context, const kdr_ray *ray, uint32_t primitive);
+    void *context;
+    bool (*intersect)(void *context, const kdr_ray *ray, uint32_t primitive, kdr_custom_hit *hit);
+    void (*take)(void *context); /* what intersect said last is the closest hit so far */
+    bool (*occluded)(void *context, const kdr_ray *ray, uint32_t primitive);
 } kdr_custom_answers;
 
 /* True, and *hit and *primitive set, if the ray hits something. Of hits at tmax itself only those of primitives below
