@@ -5,8 +5,6 @@ struct kdr_bulk_block {
     size_t size;
 };
 
-#define KEPT_SIZE ((size_t)64 << 10) /* smaller blocks are not worth keeping */
-
 /* Rounds up to 4, 5, 6 or 7 times a power of two; the class counts such sizes. */
 static uint32_t size_class(size_t *size) {
     size_t at_least = *size < 1024 ? 1024 : *size;
@@ -50,10 +48,6 @@ void kdr_bulk_put(kdr_bulk *bulk, void *memory, size_t size) {
     if (!memory)
         return;
     uint32_t class = size_class(&size);
-    if (size < KEPT_SIZE) {
-        kdr_alloc_release(bulk->alloc, memory, size);
-        return;
-    }
     kdr_bulk_block *block = memory;
     block->size = size;
     pthread_mutex_lock(&bulk->lock);

@@ -1,4 +1,4 @@
-/* Large blocks of memory that are used again: the references of large nodes, and the trees that a commit replaces.
+/* Blocks of memory that are used again: the references of large nodes, and all that a commit replaces.
  *
  * Sizes are rounded up to a quarter of a power of two, so that what one user gives back fits the next. A block that
  * comes back has its pages already, which is worth more than the build to a scene that moves. Cost: a short lock a

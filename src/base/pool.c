@@ -138,13 +138,13 @@ static void work(void *argument, uint32_t worker) {
     }
 }
 
-kdr_status kdr_pool_run(const kdr_crew *crew, kdr_alloc *alloc, const void *tasks, size_t count, kdr_pool_fn *run,
-                        void *context) {
+size_t kdr_pool_bytes(void) { return sizeof(kdr_pool); }
+
+void kdr_pool_run_in(void *room, const kdr_crew *crew, const void *tasks, size_t count, kdr_pool_fn *run,
+                     void *context) {
     if (count == 0)
-        return KDR_OK;
-    kdr_pool *pool = kdr_alloc_get(alloc, sizeof(kdr_pool), _Alignof(kdr_pool));
-    if (!pool)
-        return KDR_ERROR_OUT_OF_MEMORY;
+        return;
+    kdr_pool *pool = room;
     pool->run = run;
     pool->context = context;
     pool->spin_rounds = kdr_spin_rounds(crew->worker_count);
@@ -163,6 +163,16 @@ kdr_status kdr_pool_run(const kdr_crew *crew, kdr_alloc *alloc, const void *task
     KDR_CHECK(all_done(pool));
     pthread_mutex_destroy(&pool->mutex);
     pthread_cond_destroy(&pool->changed);
-    kdr_alloc_release(alloc, pool, sizeof(kdr_pool));
+}
+
+kdr_status kdr_pool_run(const kdr_crew *crew, kdr_alloc *alloc, const void *tasks, size_t count, kdr_pool_fn *run,
+                        void *context) {
+    if (count == 0)
+        return KDR_OK;
+    void *room = kdr_alloc_get(alloc, kdr_pool_bytes(), KDR_POOL_ALIGNMENT);
+    if (!room)
+        return KDR_ERROR_OUT_OF_MEMORY;
+    kdr_pool_run_in(room, crew, tasks, count, run, context);
+    kdr_alloc_release(alloc, room, kdr_pool_bytes());
     return KDR_OK;
 }

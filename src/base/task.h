@@ -45,6 +45,12 @@ typedef void kdr_pool_fn(kdr_pool *pool, void *task, uint32_t worker, void *cont
 kdr_status kdr_pool_run(const kdr_crew *crew, kdr_alloc *alloc, const void *tasks, size_t count, kdr_pool_fn *run,
                         void *context);
 
+/* The same in room that the caller has: kdr_pool_bytes of it, aligned to KDR_POOL_ALIGNMENT. */
+#define KDR_POOL_ALIGNMENT 64
+size_t kdr_pool_bytes(void);
+void kdr_pool_run_in(void *room, const kdr_crew *crew, const void *tasks, size_t count, kdr_pool_fn *run,
+                     void *context);
+
 /* Offers a task to the others. False when the pool is full: the caller then does the work. Never blocks for long:
  * the lock is held for a copy of KDR_TASK_BYTES. */
 bool kdr_pool_offer(kdr_pool *pool, const void *task);

@@ -79,13 +79,15 @@ static kdr_status run(kdr_build_state *state, const kdr_build_task *given, uint3
     kdr_arena *arena = &state->shop->workers[0].arena;
     kdr_arena_mark mark = kdr_arena_save(arena);
     kdr_build_task *tasks = kdr_arena_get(arena, (count + TOP_TASKS + 1) * sizeof *tasks);
+    void *room = kdr_arena_get(arena, kdr_pool_bytes());
     kdr_status status = KDR_ERROR_OUT_OF_MEMORY;
-    if (tasks) {
+    if (tasks && room) {
         memcpy(tasks, given, count * sizeof *tasks);
         if (state->share->together && state->crew->worker_count > 1)
             count = open_top(state, tasks, count);
         given = tasks;
-        status = kdr_pool_run(state->crew, state->shop->alloc, tasks, count, run_task, state);
+        kdr_pool_run_in(room, state->crew, tasks, count, run_task, state);
+        status = KDR_OK;
     }
     if (status != KDR_OK)
         for (uint32_t i = 0; i < count; i++)

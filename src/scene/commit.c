@@ -21,7 +21,8 @@ static bool same_build(const kdr_plan *a, const kdr_plan *b) {
 /* Numbers the triangles of all geometries; NULL when there is no memory or the total is over the limit. */
 static kdr_status number_triangles(kdr_scene *scene, uint32_t **out) {
     kdr_device *device = scene->device;
-    uint32_t *first = kdr_alloc_array(&device->alloc, (size_t)scene->geometry_count + 1, sizeof *first, 64);
+    size_t bytes = ((size_t)scene->geometry_count + 1) * sizeof(uint32_t);
+    uint32_t *first = kdr_bulk_get(&device->bulk, &bytes);
     if (!first)
         return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for %u geometries",
                                scene->geometry_count);
@@ -31,7 +32,7 @@ static kdr_status number_triangles(kdr_scene *scene, uint32_t **out) {
         total += scene->geometries[g].triangle_count;
     }
     if (total > KDR_NODE_MAX_INDEX) {
-        kdr_alloc_release(&device->alloc, first, ((size_t)scene->geometry_count + 1) * sizeof *first);
+        kdr_bulk_put(&device->bulk, first, ((size_t)scene->geometry_count + 1) * sizeof *first);
         return kdr_device_fail(device, KDR_ERROR_LIMIT, "a scene has at most 2^30 - 1 triangles");
     }
     first[scene->geometry_count] = (uint32_t)total;
@@ -114,7 +115,7 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
             kdr_tree_release(&tree, &device->bulk);
     }
     if (status != KDR_OK) {
-        kdr_alloc_release(&device->alloc, first, ((size_t)scene->geometry_count + 1) * sizeof *first);
+        kdr_bulk_put(&device->bulk, first, ((size_t)scene->geometry_count + 1) * sizeof *first);
         if (status == KDR_ERROR_INVALID_DATA)
             return fail_invalid(scene, counts.invalid);
         return kdr_device_fail(device, status, "the tree of %u triangles was not built: %s", input.count,
@@ -124,14 +125,14 @@ kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *given) {
     status = kdr_customs_create(device, scene->custom_defs, scene->geometry_count, &plan, &customs);
     if (status != KDR_OK) {
         kdr_tree_release(&tree, &device->bulk);
-        kdr_alloc_release(&device->alloc, first, ((size_t)scene->geometry_count + 1) * sizeof *first);
+        kdr_bulk_put(&device->bulk, first, ((size_t)scene->geometry_count + 1) * sizeof *first);
         return status;
     }
 
     /* Put the new trees in the place of the old ones. */
     kdr_tree_release(&scene->tree, &device->bulk);
     kdr_customs_destroy(scene->customs, device);
-    kdr_alloc_release(&device->alloc, scene->first, ((size_t)scene->committed_count + 1) * sizeof *first);
+    kdr_bulk_put(&device->bulk, scene->first, ((size_t)scene->committed_count + 1) * sizeof *first);
     scene->tree = tree;
     scene->customs = customs;
     scene->lone = kdr_lone_for(device->isa, plan.trace, plan.nodes, plan.mailbox);

@@ -132,13 +132,14 @@ kdr_status kdr_customs_create(kdr_device *device, const kdr_custom_def *defs, ui
         return kdr_device_fail(device, KDR_ERROR_LIMIT, "a scene has at most 2^30 - 1 custom primitives");
 
     /* Keep the defs as they are now. */
-    kdr_alloc *alloc = &device->alloc;
-    kdr_customs *c = kdr_alloc_get(alloc, sizeof *c, 64);
+    size_t self = sizeof(kdr_customs), defs_bytes = count * sizeof *defs;
+    size_t first_bytes = ((size_t)count + 1) * sizeof(uint32_t);
+    kdr_customs *c = kdr_bulk_get(&device->bulk, &self);
     if (!c)
         return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for custom primitives");
     *c = (kdr_customs){.count = count};
-    c->defs = kdr_alloc_array(alloc, count, sizeof *c->defs, 64);
-    c->first = kdr_alloc_array(alloc, (size_t)count + 1, sizeof *c->first, 64);
+    c->defs = kdr_bulk_get(&device->bulk, &defs_bytes);
+    c->first = kdr_bulk_get(&device->bulk, &first_bytes);
     if (!c->defs || !c->first) {
         kdr_customs_destroy(c, device);
         return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for %u geometries", count);
@@ -169,9 +170,9 @@ void kdr_customs_destroy(kdr_customs *customs, kdr_device *device) {
     for (uint32_t g = 0; customs->is_taken && g < customs->count; g++)
         if (is_instances(&customs->defs[g]))
             kdr_instances_destroy(customs->defs[g].user, device);
-    kdr_alloc_release(&device->alloc, customs->defs, customs->count * sizeof *customs->defs);
-    kdr_alloc_release(&device->alloc, customs->first, ((size_t)customs->count + 1) * sizeof *customs->first);
-    kdr_alloc_release(&device->alloc, customs, sizeof *customs);
+    kdr_bulk_put(&device->bulk, customs->defs, customs->count * sizeof *customs->defs);
+    kdr_bulk_put(&device->bulk, customs->first, ((size_t)customs->count + 1) * sizeof *customs->first);
+    kdr_bulk_put(&device->bulk, customs, sizeof *customs);
 }
 
 /* ---- queries */

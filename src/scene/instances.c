@@ -26,13 +26,14 @@ typedef struct kdr_instance_place {
 } instance_place;
 
 kdr_instances *kdr_instances_create(kdr_device *device, const kdr_instance_def *def) {
-    kdr_instances *instances = kdr_alloc_get(&device->alloc, sizeof *instances, 64);
+    size_t self = sizeof(kdr_instances), bytes = def->count * sizeof(instance_place);
+    kdr_instances *instances = kdr_bulk_get(&device->bulk, &self);
     if (!instances)
         return NULL;
     *instances = (kdr_instances){.def = *def};
-    instances->places = kdr_alloc_array(&device->alloc, def->count, sizeof(instance_place), 64);
-    if (def->count > 0 && !instances->places) {
-        kdr_alloc_release(&device->alloc, instances, sizeof *instances);
+    instances->places = kdr_bulk_get(&device->bulk, &bytes);
+    if (!instances->places) {
+        kdr_bulk_put(&device->bulk, instances, sizeof *instances);
         return NULL;
     }
     float bounds[6];
@@ -45,8 +46,8 @@ kdr_instances *kdr_instances_create(kdr_device *device, const kdr_instance_def *
 void kdr_instances_destroy(kdr_instances *instances, kdr_device *device) {
     if (!instances)
         return;
-    kdr_alloc_release(&device->alloc, instances->places, instances->def.count * sizeof(instance_place));
-    kdr_alloc_release(&device->alloc, instances, sizeof *instances);
+    kdr_bulk_put(&device->bulk, instances->places, instances->def.count * sizeof(instance_place));
+    kdr_bulk_put(&device->bulk, instances, sizeof *instances);
 }
 
 /* ---- transforms */

@@ -32,7 +32,7 @@ void kdr_scene_destroy(kdr_scene *scene) {
     kdr_alloc *alloc = &scene->device->alloc;
     kdr_tree_release(&scene->tree, &scene->device->bulk);
     kdr_customs_destroy(scene->customs, scene->device);
-    kdr_alloc_release(alloc, scene->first, ((size_t)scene->committed_count + 1) * sizeof *scene->first);
+    kdr_bulk_put(&scene->device->bulk, scene->first, ((size_t)scene->committed_count + 1) * sizeof *scene->first);
     for (uint32_t g = 0; scene->custom_defs && g < scene->geometry_count; g++)
         if (kdr_scene_is_instance(scene, g))
             kdr_alloc_release(alloc, scene->custom_defs[g].user, sizeof(kdr_instance_def));
