@@ -13,7 +13,8 @@
  * is half done: a call that fails leaves the scene as it was.
  *
  * Threads. Queries may run on any number of threads at once, on the same scene. A call that changes an object
- * (add, touch, commit, destroy) needs that object for itself alone; a commit needs its device for itself as well.
+ * (add, touch, commit, destroy) needs that object for itself alone; a commit needs its device for itself as well. Only
+ * a scene that is doubly buffered may be asked while it is changed and committed.
  *
  * Floating point. Coordinates and distances are binary32. Hit decisions are those of exact arithmetic on the given
  * numbers (see kdr_intersect1). The default floating-point environment is assumed: round to nearest, no flush to zero.
@@ -24,6 +25,7 @@
 #include "kdray/counts.h"
 #include "kdray/plan.h"
 #include "kdray/rays.h"
+#include "kdray/tree.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -168,12 +170,24 @@ typedef struct kdr_triangles_def {
     const uint32_t *indices; /* three vertex numbers a triangle; NULL: triangle i has vertices 3i, 3i + 1, 3i + 2 */
     size_t index_stride;     /* bytes from one triangle to the next, a multiple of 4, at least 12; default 12 */
     size_t triangle_count;   /* may be 0 */
+    bool is_static;          /* in a tree of its own with all others that are; default false: see kdr_scene_commit */
 } kdr_triangles_def;
 
 KDR_API kdr_triangles_def kdr_default_triangles_def(void);
 
 /* Makes an empty scene. It answers "miss" until its first commit. Errors: INVALID_ARGUMENT, OUT_OF_MEMORY. */
 KDR_API kdr_status kdr_scene_create(kdr_device *device, kdr_scene **out);
+
+typedef struct kdr_scene_def {
+    size_t size;                /* set by kdr_default_scene_def */
+    bool double_buffered;       /* may be asked while it is committed: see kdr_scene_commit; default false */
+    kdr_build_def static_build; /* plan of the tree of static triangles; default KDR_QUALITY_BEST */
+} kdr_scene_def;
+
+KDR_API kdr_scene_def kdr_default_scene_def(void);
+
+/* The same with more to choose. def NULL means the defaults. Errors: also INVALID_ARGUMENT (def, its static_build). */
+KDR_API kdr_status kdr_scene_create_with(kdr_device *device, const kdr_scene_def *def, kdr_scene **out);
 
 /* Destroys a scene. NULL is allowed. No query may be running. */
 KDR_API void kdr_scene_destroy(kdr_scene *scene);
@@ -302,60 +316,37 @@ KDR_API kdr_status kdr_build_def_print(const kdr_build_def *def, char *text, siz
 KDR_API const char *kdr_build_def_key_name(size_t i);
 KDR_API const char *kdr_build_def_key_text(size_t i);
 
+/* Told how far a long call is: `finished` of `total`, in units of its own, never less than before, and all at its end.
+ * False cancels the call. Called on the thread that made the call, or on a worker, never on two at once. It must not
+ * change anything of kdray's. */
+typedef bool kdr_progress_fn(uint64_t finished, uint64_t total, void *user);
+
+/* Whom commits of the scene tell; fn NULL: nobody, which is the default. A commit that is cancelled ends as soon as the
+ * nodes have been divided that workers are at. Errors: INVALID_ARGUMENT (scene NULL). */
+KDR_API kdr_status kdr_scene_set_progress(kdr_scene *scene, kdr_progress_fn *fn, void *user);
+
 /* Builds the tree over all geometries; def NULL means the defaults. Blocks until done; the device's workers help.
  * Custom primitives have a tree of their own, built by the same def; rays are asked of both.
+ * So have static triangles, built by the scene's static_build. A commit leaves that tree as it is, and does not read
+ * its arrays, unless static triangles were added, set or touched; the tree of the others likewise.
+ *
+ * A scene that is doubly buffered may be asked by other threads throughout: a query sees the trees of the last commit
+ * that was done when the query began, all of them, to its end. A commit waits for queries that began before the last
+ * one ended, so a query's callback must not wait for a commit. The trees of the last two commits are held. Other scenes
+ * that show its instances must not be asked meanwhile.
  * Triangles with a vertex that is not finite and triangles of exactly zero area, which no ray can hit, are left out and
  * counted in the statistics, and so are custom primitives whose box is not finite.
  * On failure the old tree stays in force. The tree depends on the primitives and the def alone, never on the number of
  * workers or the instruction set. Errors: INVALID_ARGUMENT (def), INVALID_DATA (a vertex number out of range, a finite
- * box with lo > hi), LIMIT (2^30 triangles or custom primitives), OUT_OF_MEMORY. */
+ * box with lo > hi), LIMIT (2^30 triangles of a tree, or custom primitives), OUT_OF_MEMORY, CANCELLED. */
 KDR_API kdr_status kdr_scene_commit(kdr_scene *scene, const kdr_build_def *def);
 
 /* Smallest box around the committed triangles and boxes of custom primitives, {min x, y, z, max x, y, z}; min > max on
  * every axis if there is none. */
 KDR_API void kdr_scene_bounds(const kdr_scene *scene, float bounds[6]);
 
-#define KDR_HISTOGRAM_SIZE 64
-
-/* Of a scene with custom primitives: numbers, bytes, costs and histograms of both trees, added up; depth and
- * largest_leaf are the larger ones, mean_leaf_depth is over the leaves of both. A tree of no primitive is one empty
- * leaf. */
-typedef struct kdr_tree_stats {
-    uint64_t triangle_count;   /* in the tree */
-    uint64_t custom_count;     /* custom primitives in the tree */
-    uint64_t dropped_count;    /* left out: a vertex or a box is NaN or infinite */
-    uint64_t degenerate_count; /* left out: exactly zero area, no ray can hit them */
-    uint64_t interior_count;
-    uint64_t leaf_count; /* with empty ones */
-    uint64_t empty_leaf_count;
-    uint64_t reference_count; /* primitives over all leaves; over their number: the duplication */
-    uint32_t depth;           /* of the deepest leaf; the root has 0 */
-    uint32_t largest_leaf;
-    double mean_leaf_depth; /* over all leaves */
-    double cost;            /* by the surface area heuristic, with the constants the tree was built with */
-    size_t node_bytes;      /* nodes of the tree, in every form that is kept */
-    size_t leaf_bytes;      /* blocks of the leaves */
-    double build_seconds;   /* wall time of the commit */
-    uint64_t depth_histogram[KDR_HISTOGRAM_SIZE]; /* leaves at each depth */
-    uint64_t leaf_histogram[KDR_HISTOGRAM_SIZE];  /* leaves with i primitives; the last counts all larger ones */
-} kdr_tree_stats;
-
 /* Walks the committed trees and counts. Errors: INVALID_ARGUMENT. Thread safe with queries. */
 KDR_API kdr_status kdr_scene_stats(const kdr_scene *scene, kdr_tree_stats *out);
-
-/* A node of the committed tree: a box of space, divided in two by a plane or else a leaf. */
-typedef struct kdr_cell {
-    float bounds[6];          /* {min x, y, z, max x, y, z} */
-    uint32_t depth;           /* the root has 0 */
-    bool is_leaf, is_custom;  /* custom: of the tree of the custom primitives, not of the triangles' */
-    uint32_t axis;            /* of the split plane: 0, 1, 2; 0 for a leaf */
-    float plane;              /* where it cuts that axis; 0 for a leaf */
-    uint32_t primitive_count; /* in the leaf, each counted in every leaf that has it; 0 if not a leaf */
-} kdr_cell;
-
-/* What a visitor wants next: cells inside this one and what follows, what follows, or nothing more. */
-typedef enum kdr_cell_step { KDR_CELL_INTO, KDR_CELL_PAST, KDR_CELL_STOP } kdr_cell_step;
-typedef kdr_cell_step kdr_cell_fn(const kdr_cell *cell, void *user); /* cell: valid during the call only */
 
 /* Shows the cells of the committed tree to a visitor, on the calling thread: every cell before those inside it, what
  * lies below a plane before what lies above it; then those of the custom primitives' tree, if there are any. A tree

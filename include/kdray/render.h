@@ -151,9 +151,6 @@ KDR_API void kdr_light_for_bounds(const float bounds[6], float light[3]);
 /* One line of 13 numbers: eye, target, up, fov, light. Errors: IO, INVALID_DATA. */
 KDR_API kdr_status kdr_camera_read(const char *path, const kdr_logger *logger, kdr_camera *camera, float light[3]);
 
-/* Reports progress of a render, from the calling thread's side: finished of total tiles. Returning false cancels. */
-typedef bool kdr_progress_fn(uint64_t finished, uint64_t total, void *user);
-
 typedef struct kdr_picture_def {
     size_t size;            /* set by kdr_default_picture_def */
     uint32_t width, height; /* default 1024 x 1024 */
@@ -165,7 +162,7 @@ typedef struct kdr_picture_def {
     bool box;                        /* the thesis's textured box around the model */
     const char *texture;             /* PNG on the box; NULL: a checkerboard */
     float background[3];             /* linear RGB */
-    kdr_progress_fn *progress;       /* NULL: none. Called on the thread that called, or a worker, never two at once */
+    kdr_progress_fn *progress;       /* tiles; NULL: none */
     void *progress_user;
 } kdr_picture_def;
 

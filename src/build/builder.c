@@ -84,7 +84,7 @@ static void start_over(kdr_workshop *shop) {
     for (uint32_t i = 0; i < shop->worker_count; i++) {
         kdr_build_worker *w = &shop->workers[i];
         w->pair = w->pair_end = w->id = w->id_end = 0;
-        w->interiors = w->leaf_groups = w->leaves = 0;
+        w->interiors = w->leaf_groups = w->leaves = w->done = 0;
     }
 }
 
@@ -139,6 +139,9 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
     status = kdr_build_settle_straddle(&state, &root.references);
     double budget = (double)count * state.plan.reference_limit;
     root.budget = budget < KDR_NODE_MAX_INDEX ? (uint64_t)budget : KDR_NODE_MAX_INDEX;
+    state.budget = root.budget;
+    if (status == KDR_OK)
+        kdr_build_report(&state, KDR_BUILD_GATHERED);
 
     /* The root is the first node of the first pair; its sibling stays unused. */
     uint32_t pair;
@@ -153,10 +156,11 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
     kdr_box bounds = root.box;
     status = open_root(&state, &root);
     kdr_build_release_corners(&state);
-    if (status == KDR_OK && plan->retract) {
+    if (status == KDR_OK && plan->retract)
         kdr_build_retract(&state, &bounds);
+    kdr_build_report(&state, KDR_BUILD_OPENED);
+    if (status == KDR_OK)
         status = (kdr_status)atomic_load(&state.status);
-    }
     if (status != KDR_OK)
         return status;
     kdr_tree made = {.bounds = bounds,

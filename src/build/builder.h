@@ -18,7 +18,7 @@ void kdr_workshop_trim(kdr_workshop *workshop);    /* gives back what is kept */
 
 /* The tree depends on input and plan alone. depth_limit 0 stands for 8 + 1.3 log2(primitives).
  * Errors: OUT_OF_MEMORY, LIMIT (more than 2^30 primitives, references or nodes), INVALID_DATA (*counts says how many
- * primitives are invalid). *tree is set only on success. */
+ * primitives are invalid), CANCELLED. *tree is set only on success. */
 kdr_status kdr_build(kdr_workshop *workshop, const kdr_crew *crew, kdr_isa isa, const kdr_input *input,
                      const kdr_plan *plan, kdr_tree *tree, kdr_input_counts *counts);
 

@@ -1,4 +1,5 @@
 /* The hinge: opens one task, chooses a plane, and makes a leaf or a pair. It knows neither order nor workers. */
+#include "build/order.h"
 #include "build/splitter.h"
 
 static kdr_opened make_leaf(kdr_build_state *state, kdr_build_worker *worker, const kdr_build_task *task) {
@@ -6,6 +7,7 @@ static kdr_opened make_leaf(kdr_build_state *state, kdr_build_worker *worker, co
     if (!ids)
         return KDR_OPENED_FAILED;
     memcpy(ids, task->references.primitive, task->references.count * sizeof *ids);
+    kdr_build_finished(state, worker, task);
     return KDR_OPENED_LEAF;
 }
 
@@ -57,8 +59,11 @@ kdr_opened kdr_expand(kdr_build_state *state, kdr_build_worker *worker, bool par
         return make_leaf(state, worker, task);
     if (count <= splitter->finish_limit) {
         splitter->finish(state, worker, task);
+        kdr_build_finished(state, worker, task);
         return KDR_OPENED_LEAF;
     }
+    if (count > KDR_SHARED_LIMIT)
+        kdr_build_report_opening(state);
     if (splitter->prepare && !task->events && !splitter->prepare(state, parallel, task)) {
         kdr_build_fail(state, KDR_ERROR_OUT_OF_MEMORY);
         return KDR_OPENED_FAILED;

@@ -3,6 +3,7 @@
 #ifndef KDR_BUILD_INPUT_H
 #define KDR_BUILD_INPUT_H
 
+#include "build/listener.h"
 #include "build/references.h"
 #include "tree/boxed.h"
 
@@ -17,7 +18,8 @@ typedef struct kdr_input_counts {
 typedef struct kdr_input {
     const void *context;
     uint32_t count;
-    bool boxed; /* leaves hold the groups of boxed.h; otherwise blocks of triangles */
+    kdr_listener *listener; /* who is told how far the build is; NULL: nobody */
+    bool boxed;             /* leaves hold the groups of boxed.h; otherwise blocks of triangles */
 
     /* Writes the boxes of those of [begin, end) that belong into the tree to places at, at + 1 ... and widens *bounds
      * by them. Returns how many; adds the others to *counts. */

@@ -111,12 +111,14 @@ kdr_status kdr_build_layout(kdr_build_state *state, kdr_tree *tree) {
         memset(f.whole, 0, state->input->count);
     }
     uint64_t job_count = number_nodes(shop, tree, jobs, f.shown);
+    kdr_build_report(state, KDR_BUILD_NUMBERED);
     kdr_parallel_for(state->crew, job_count, FILL_GRAIN, fill_range, &f);
+    kdr_build_report(state, KDR_BUILD_FILLED);
     if (f.shown)
         kdr_parallel_for(state->crew, job_count, FILL_GRAIN, sort_range, &f);
-    if (f.shown && !kdr_tree_add_wide(tree, shop->bulk, f.shown)) {
+    if (f.shown && !kdr_build_failed(state) && !kdr_tree_add_wide(tree, shop->bulk, f.shown))
+        kdr_build_fail(state, KDR_ERROR_OUT_OF_MEMORY);
+    if (kdr_build_failed(state))
         kdr_tree_release(tree, shop->bulk);
-        return KDR_ERROR_OUT_OF_MEMORY;
-    }
-    return KDR_OK;
+    return (kdr_status)atomic_load(&state->status);
 }

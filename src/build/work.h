@@ -23,6 +23,7 @@ typedef struct kdr_build_worker {
     uint32_t id, id_end;             /* the same for leaf ids */
     uint64_t interiors, leaf_groups; /* made so far */
     uint64_t leaves;
+    uint64_t done; /* budget of what it finished and has not told yet */
 } kdr_build_worker;
 
 struct kdr_workshop {
@@ -61,8 +62,10 @@ typedef struct kdr_build_state {
     kdr_plan plan;
     const float *corners; /* nine a primitive, where triangles are cut as references are divided; otherwise NULL */
     size_t corners_size;
-    uint32_t level;     /* breadth first: 0 or 1, by turns */
-    _Atomic int status; /* the first failure; workers stop when it is not KDR_OK */
+    uint32_t level;        /* breadth first: 0 or 1, by turns */
+    uint64_t budget;       /* of the root */
+    _Atomic uint64_t done; /* of it, finished and told */
+    _Atomic int status;    /* the first failure; workers stop when it is not KDR_OK */
 } kdr_build_state;
 
 static inline bool kdr_build_failed(const kdr_build_state *state) {
@@ -83,6 +86,20 @@ static inline uint32_t *kdr_growing_ids(const kdr_workshop *shop, uint32_t first
     uint32_t *chunk = shop->ids.table[first / KDR_IDS_PER_CHUNK];
     return &chunk[first % KDR_IDS_PER_CHUNK];
 }
+
+/* ---- report.c: tells who listens how far the build is; if he cancels it, the state has failed.
+ * kdr_build_finished: a task was; kdr_build_report: so much of the whole build is done, 0 to 1. */
+void kdr_build_finished(kdr_build_state *state, kdr_build_worker *worker, const kdr_build_task *task);
+void kdr_build_report(kdr_build_state *state, double part);
+
+/* While nodes are opened. */
+void kdr_build_report_opening(kdr_build_state *state);
+
+/* Parts of a build that are done when nodes begin to be opened, when all are, and within the layout. */
+#define KDR_BUILD_GATHERED 0.05
+#define KDR_BUILD_OPENED 0.85
+#define KDR_BUILD_NUMBERED 0.9
+#define KDR_BUILD_FILLED 0.95
 
 /* ---- gather.c: the root's references. On failure nothing is held. */
 kdr_status kdr_build_gather(kdr_build_state *state, kdr_build_task *root, kdr_input_counts *counts);

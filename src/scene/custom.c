@@ -33,6 +33,6 @@ kdr_status kdr_scene_set_custom(kdr_scene *scene, uint32_t geometry, const kdr_c
         return kdr_device_fail(scene->device, KDR_ERROR_INVALID_ARGUMENT, "geometry %u has no custom primitives",
                                geometry);
     scene->custom_defs[geometry] = *def;
-    scene->changed = true;
+    scene->dynamic_changed = true;
     return KDR_OK;
 }

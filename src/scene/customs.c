@@ -81,21 +81,22 @@ static kdr_status fail_invalid(const kdr_device *device, const custom_input *inp
         i - c->first[g], g, (double)box->lo[axis], (double)box->hi[axis], "xyz"[axis], (unsigned long long)invalid);
 }
 
-static kdr_status build(kdr_device *device, const kdr_plan *plan, kdr_customs *c) {
+static kdr_status build(kdr_device *device, const kdr_plan *plan, kdr_listener *listener, kdr_customs *c) {
     uint32_t total = c->first[c->count];
     size_t box_bytes = total * sizeof(kdr_box), box_size = box_bytes;
     custom_input context = {.customs = c, .boxes = kdr_bulk_get(&device->bulk, &box_size)};
     if (!context.boxes)
         return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for the boxes of %u custom primitives",
                                total);
-    kdr_input input = {.context = &context, .count = total, .boxed = true, .boxes = boxes, .fill = fill};
+    kdr_input input = {
+        .context = &context, .count = total, .listener = listener, .boxed = true, .boxes = boxes, .fill = fill};
     kdr_plan narrow = *plan; /* the wide tree is one of triangles */
     narrow.wide = false;
     kdr_input_counts counts;
     kdr_status status = kdr_build(device->workshop, &device->crew, device->isa, &input, &narrow, &c->tree, &counts);
     if (status == KDR_ERROR_INVALID_DATA)
         fail_invalid(device, &context, counts.invalid);
-    else if (status != KDR_OK)
+    else if (status != KDR_OK && status != KDR_ERROR_CANCELLED)
         kdr_device_fail(device, status, "the tree of %u custom primitives was not built: %s", total,
                         kdr_status_text(status));
     kdr_bulk_put(&device->bulk, context.boxes, box_bytes);
@@ -120,12 +121,17 @@ static bool take_instances(kdr_device *device, kdr_customs *c) {
     return made;
 }
 
-kdr_status kdr_customs_create(kdr_device *device, const kdr_custom_def *defs, uint32_t count, const kdr_plan *plan,
-                              kdr_customs **out) {
-    *out = NULL;
+uint64_t kdr_customs_total(const kdr_custom_def *defs, uint32_t count) {
     uint64_t total = 0;
     for (uint32_t g = 0; defs && g < count; g++)
         total += defs[g].primitive_count;
+    return total;
+}
+
+kdr_status kdr_customs_create(kdr_device *device, const kdr_custom_def *defs, uint32_t count, const kdr_plan *plan,
+                              kdr_listener *listener, kdr_customs **out) {
+    *out = NULL;
+    const uint64_t total = kdr_customs_total(defs, count);
     if (total == 0)
         return KDR_OK;
     if (total > KDR_NODE_MAX_INDEX)
@@ -153,7 +159,7 @@ kdr_status kdr_customs_create(kdr_device *device, const kdr_custom_def *defs, ui
     c->is_taken = true;
     kdr_status status = take_instances(device, c) ? KDR_OK : KDR_ERROR_OUT_OF_MEMORY;
     if (status == KDR_OK)
-        status = build(device, plan, c);
+        status = build(device, plan, listener, c);
     else
         kdr_device_fail(device, status, "out of memory for instances");
     if (status == KDR_OK)

@@ -15,9 +15,13 @@ typedef struct kdr_customs {
 } kdr_customs;
 
 /* Builds the tree. defs: `count` of them, or NULL. *out becomes NULL if there is no primitive. Whatever fails, the log
- * is told, and nothing is held. Errors: OUT_OF_MEMORY, LIMIT, INVALID_DATA (a box with lo > hi). */
+ * is told, and nothing is held. listener may be NULL. Errors: OUT_OF_MEMORY, LIMIT, INVALID_DATA (a box with lo > hi),
+ * CANCELLED. */
 kdr_status kdr_customs_create(kdr_device *device, const kdr_custom_def *defs, uint32_t count, const kdr_plan *plan,
-                              kdr_customs **out);
+                              kdr_listener *listener, kdr_customs **out);
+
+/* Custom primitives of all geometries; defs may be NULL. */
+uint64_t kdr_customs_total(const kdr_custom_def *defs, uint32_t count);
 
 /* NULL is allowed. */
 void kdr_customs_destroy(kdr_customs *customs, kdr_device *device);

@@ -63,6 +63,6 @@ kdr_status kdr_scene_set_instance(kdr_scene *scene, uint32_t geometry, const kdr
         return kdr_device_fail(scene->device, KDR_ERROR_INVALID_ARGUMENT, "geometry %u has no instances", geometry);
     *(kdr_instance_def *)scene->custom_defs[geometry].user = *def;
     scene->custom_defs[geometry].primitive_count = def->count;
-    scene->changed = true;
+    scene->dynamic_changed = true;
     return KDR_OK;
 }

@@ -43,54 +43,93 @@ INLINE void put(void *base, uint32_t row, uint32_t width, uint32_t i, const void
 }
 
 /* Rays go one by one where custom primitives are asked too, and by a traversal by name. */
-static bool go_alone(const kdr_scene *scene) { return scene->customs || scene->plan.trace != KDR_TRACE_AUTO; }
+static bool go_alone(const kdr_committed *seen) { return seen->customs || seen->is_named; }
+
+INLINE void tell_one(void *ray_hits, uint32_t width, uint32_t i, const kdr_ray_hit *one) {
+    char *hits = (char *)ray_hits + RAY_ROWS * width * sizeof(float);
+    if (one->hit.geometry != KDR_INVALID_ID) {
+        const float *normal = &one->hit.normal_x;
+        for (uint32_t k = 0; k < 3; k++)
+            put(hits, NORMAL + k, width, i, &normal[k]);
+        put(hits, WEIGHTS, width, i, &one->hit.u);
+        put(hits, WEIGHTS + 1, width, i, &one->hit.v);
+        put(hits, PRIMITIVE, width, i, &one->hit.primitive);
+        put(hits, INSTANCE, width, i, &one->hit.instance);
+        put(ray_hits, TMAX, width, i, &one->ray.tmax);
+    }
+    put(hits, GEOMETRY, width, i, &one->hit.geometry);
+}
 
 INLINE void intersect_alone(const kdr_scene *scene, const kdr_packet_rays *rays, void *ray_hits, uint32_t width) {
-    char *hits = (char *)ray_hits + RAY_ROWS * width * sizeof(float);
     for (uint64_t left = rays->valid; left; left &= left - 1) {
         uint32_t i = (uint32_t)__builtin_ctzll(left);
         kdr_ray_hit one = {.ray = kdr_packet_ray(rays, i)};
         kdr_intersect1(scene, &one);
-        if (one.hit.geometry != KDR_INVALID_ID) {
-            const float *normal = &one.hit.normal_x;
-            for (uint32_t k = 0; k < 3; k++)
-                put(hits, NORMAL + k, width, i, &normal[k]);
-            put(hits, WEIGHTS, width, i, &one.hit.u);
-            put(hits, WEIGHTS + 1, width, i, &one.hit.v);
-            put(hits, PRIMITIVE, width, i, &one.hit.primitive);
-            put(hits, INSTANCE, width, i, &one.hit.instance);
-            put(ray_hits, TMAX, width, i, &one.ray.tmax);
-        }
-        put(hits, GEOMETRY, width, i, &one.hit.geometry);
+        tell_one(ray_hits, width, i, &one);
+    }
+}
+
+/* Tells of the hits that a part found, as far as they come before what the caller was told: geometries and tmax are
+ * those of the closest hits so far. */
+INLINE void tell(const kdr_part *part, const kdr_packet_found *found, kdr_packet_rays *rays, uint32_t *geometries,
+                 void *ray_hits, uint32_t width) {
+    for (uint64_t left = rays->valid; left; left &= left - 1) {
+        uint32_t i = (uint32_t)__builtin_ctzll(left);
+        if (found->primitive[i] == UINT32_MAX)
+            continue;
+        uint32_t geometry = kdr_geometry_of(part->first, part->count, found->primitive[i]);
+        if (found->t[i] == rays->tmax[i] && geometry > geometries[i])
+            continue;
+        geometries[i] = geometry;
+        rays->tmax[i] = found->t[i];
+        kdr_ray_hit one = {.ray.tmax = found->t[i],
+                           .hit = {.normal_x = found->normal[0][i],
+                                   .normal_y = found->normal[1][i],
+                                   .normal_z = found->normal[2][i],
+                                   .u = found->u[i],
+                                   .v = found->v[i],
+                                   .primitive = found->primitive[i] - part->first[geometry],
+                                   .geometry = geometry,
+                                   .instance = KDR_INVALID_ID}};
+        tell_one(ray_hits, width, i, &one);
     }
 }
 
 INLINE void intersect(const kdr_scene *scene, const int32_t *valid, void *ray_hits, uint32_t width) {
     kdr_packet_rays rays;
     kdr_packet_found found;
+    uint32_t geometries[16];
     if (!take_rays(&rays, valid, ray_hits, width))
         return;
-    if (go_alone(scene)) {
+    kdr_visit visit = kdr_scene_enter(scene);
+    const kdr_committed *seen = visit.seen;
+    if (go_alone(seen)) {
+        kdr_scene_leave(visit);
         intersect_alone(scene, &rays, ray_hits, width);
         return;
     }
-    scene->device->traversals->packet_closest(&scene->tree, &rays, &found);
     char *hits = (char *)ray_hits + RAY_ROWS * width * sizeof(float);
-    for (uint64_t left = rays.valid; left; left &= left - 1) {
-        uint32_t i = (uint32_t)__builtin_ctzll(left), geometry = KDR_INVALID_ID;
-        if (found.primitive[i] != UINT32_MAX) {
-            geometry = kdr_geometry_of(scene->first, scene->committed_count, found.primitive[i]);
-            uint32_t primitive = found.primitive[i] - scene->first[geometry], instance = KDR_INVALID_ID;
-            for (uint32_t k = 0; k < 3; k++)
-                put(hits, NORMAL + k, width, i, &found.normal[k][i]);
-            put(hits, WEIGHTS, width, i, &found.u[i]);
-            put(hits, WEIGHTS + 1, width, i, &found.v[i]);
-            put(hits, PRIMITIVE, width, i, &primitive);
-            put(hits, INSTANCE, width, i, &instance);
-            put(ray_hits, TMAX, width, i, &found.t[i]);
-        }
-        put(hits, GEOMETRY, width, i, &geometry);
+    for (uint32_t i = 0; i < width; i++) {
+        geometries[i] = KDR_INVALID_ID;
+        if (rays.valid >> i & 1)
+            put(hits, GEOMETRY, width, i, &geometries[i]);
     }
+    const kdr_part *parts[2] = {seen->dynamic_part, seen->static_part};
+    for (int p = 0; p < 2 && parts[p]; p++) {
+        scene->device->traversals->packet_closest(&parts[p]->tree, &rays, &found);
+        tell(parts[p], &found, &rays, geometries, ray_hits, width);
+    }
+    kdr_scene_leave(visit);
+}
+
+INLINE uint64_t occluded_alone(const kdr_scene *scene, const kdr_packet_rays *rays) {
+    uint64_t found = 0;
+    for (uint64_t left = rays->valid; left; left &= left - 1) {
+        uint32_t i = (uint32_t)__builtin_ctzll(left);
+        kdr_ray ray = kdr_packet_ray(rays, i);
+        found |= (uint64_t)kdr_occluded1(scene, &ray) << i;
+    }
+    return found;
 }
 
 INLINE void occluded(const kdr_scene *scene, const int32_t *valid, void *from, uint32_t width) {
@@ -98,14 +137,19 @@ INLINE void occluded(const kdr_scene *scene, const int32_t *valid, void *from, u
     kdr_packet_rays rays;
     if (!take_rays(&rays, valid, from, width))
         return;
+    kdr_visit visit = kdr_scene_enter(scene);
+    const kdr_committed *seen = visit.seen;
     uint64_t found = 0;
-    if (!go_alone(scene))
-        found = scene->device->traversals->packet_any(&scene->tree, &rays);
-    for (uint64_t left = go_alone(scene) ? rays.valid : 0; left; left &= left - 1) {
-        uint32_t i = (uint32_t)__builtin_ctzll(left);
-        kdr_ray ray = kdr_packet_ray(&rays, i);
-        found |= (uint64_t)kdr_occluded1(scene, &ray) << i;
+    if (go_alone(seen)) {
+        found = occluded_alone(scene, &rays);
+    } else {
+        const uint64_t all = rays.valid;
+        found = scene->device->traversals->packet_any(&seen->dynamic_part->tree, &rays);
+        rays.valid = all & ~found;
+        if (seen->static_part && rays.valid)
+            found |= scene->device->traversals->packet_any(&seen->static_part->tree, &rays);
     }
+    kdr_scene_leave(visit);
     for (; found; found &= found - 1)
         put(from, TMAX, width, (uint32_t)__builtin_ctzll(found), &none);
 }

@@ -1,57 +1,74 @@
 /* Queries: what a caller asks, in terms of traversals. Nothing here allocates, locks or fails.
  *
- * The triangles are asked first. Where a scene has custom primitives, `answer` and `any` then ask these too: no other
- * place knows of both trees. */
+ * The dynamic triangles are asked first. Where a scene has more, static triangles are asked for what is closer, then
+ * custom primitives: kdr_part_closer and kdr_customs_closest choose among equal distances. */
 #include "geometry/quad.h"
 #include "scene/scene.h"
 
 kdr_trace_def kdr_default_trace_def(void) { return (kdr_trace_def){.size = sizeof(kdr_trace_def)}; }
 
-static inline bool has_customs(const kdr_scene *scene) { return __builtin_expect(scene->customs != NULL, 0); }
+static inline bool has_more(const kdr_committed *seen) { return __builtin_expect(seen->has_more, 0); }
 
-static inline void answer_triangles(const kdr_scene *scene, bool hit, const kdr_found *found, kdr_ray_hit *ray_hit) {
-    if (!hit) {
-        ray_hit->hit.geometry = KDR_INVALID_ID;
-        return;
-    }
-    uint32_t geometry = kdr_geometry_of(scene->first, scene->committed_count, found->primitive);
+/* Tells the caller of a hit in a part. */
+static inline void tell(const kdr_part *part, uint32_t geometry, const kdr_found *found, kdr_ray_hit *ray_hit) {
     ray_hit->ray.tmax = found->t;
     ray_hit->hit = (kdr_hit){.normal_x = found->normal[0],
                              .normal_y = found->normal[1],
                              .normal_z = found->normal[2],
                              .u = found->u,
                              .v = found->v,
-                             .primitive = found->primitive - scene->first[geometry],
+                             .primitive = found->primitive - part->first[geometry],
                              .geometry = geometry,
                              .instance = KDR_INVALID_ID};
 }
 
-/* Tells the caller what the triangles' tree said, or the custom primitives' if they are closer. */
-static inline void answer(const kdr_scene *scene, bool hit, const kdr_found *found, kdr_ray_hit *ray_hit) {
-    answer_triangles(scene, hit, found, ray_hit);
-    if (has_customs(scene))
-        kdr_customs_closest(scene->customs, ray_hit);
+/* Tells the caller what the dynamic triangles' tree said. */
+static inline void answer(const kdr_committed *seen, bool hit, const kdr_found *found, kdr_ray_hit *ray_hit) {
+    const kdr_part *part = seen->dynamic_part;
+    if (hit)
+        tell(part, kdr_geometry_of(part->first, part->count, found->primitive), found, ray_hit);
+    else
+        ray_hit->hit.geometry = KDR_INVALID_ID;
 }
 
-/* The same for any hit. */
-static inline bool any(const kdr_scene *scene, bool hit, const kdr_ray *ray) {
-    return hit || (has_customs(scene) && kdr_customs_any(scene->customs, ray));
+/* The same of the static triangles, as far as they come before what the caller was told. */
+static inline void answer_static(const kdr_part *part, const kdr_found *found, kdr_ray_hit *ray_hit) {
+    uint32_t geometry = kdr_geometry_of(part->first, part->count, found->primitive);
+    if (found->t < ray_hit->ray.tmax || geometry < ray_hit->hit.geometry)
+        tell(part, geometry, found, ray_hit);
 }
 
-static inline void intersect(const kdr_scene *scene, kdr_ray_hit *ray_hit) {
+static inline void intersect(const kdr_committed *seen, kdr_ray_hit *ray_hit) {
     kdr_found found;
-    bool hit = scene->lone.closest(&scene->tree, &ray_hit->ray, &found);
-    answer(scene, hit, &found, ray_hit);
+    const kdr_part *part = seen->dynamic_part;
+    bool hit = part->lone.closest(&part->tree, &ray_hit->ray, &found);
+    answer(seen, hit, &found, ray_hit);
+    if (!has_more(seen))
+        return;
+    part = seen->static_part;
+    if (part && part->lone.closest(&part->tree, &ray_hit->ray, &found))
+        answer_static(part, &found, ray_hit);
+    if (seen->customs)
+        kdr_customs_closest(seen->customs, ray_hit);
+}
+
+static inline bool occluded(const kdr_committed *seen, const kdr_ray *ray) {
+    const kdr_part *part = seen->dynamic_part;
+    if (part->lone.any(&part->tree, ray))
+        return true;
+    part = seen->static_part;
+    return has_more(seen) &&
+           ((part && part->lone.any(&part->tree, ray)) || (seen->customs && kdr_customs_any(seen->customs, ray)));
 }
 
 #define FEWEST_TOGETHER 16 /* fewer rays go one by one */
 
 /* True if the rays, one every `stride` bytes, are to go together: never by a traversal by name, else as the caller
  * says, or if most of eight of them point into one octant. Rays that point everywhere share too few nodes. */
-static bool go_together(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, size_t stride,
+static bool go_together(const kdr_committed *seen, const kdr_trace_def *def, const kdr_ray *rays, size_t stride,
                         size_t count) {
     kdr_coherence coherence = def ? def->coherence : KDR_COHERENCE_UNKNOWN;
-    if (count < FEWEST_TOGETHER || !scene->tree.wide || coherence == KDR_COHERENCE_INCOHERENT)
+    if (count < FEWEST_TOGETHER || !seen->wide || coherence == KDR_COHERENCE_INCOHERENT)
         return false;
     if (coherence == KDR_COHERENCE_COHERENT)
         return true;
@@ -106,34 +123,68 @@ static void gather(kdr_packet_rays *rays, const kdr_ray *from, size_t stride, ui
     }
 }
 
-static void intersect_packet(const kdr_scene *scene, kdr_ray_hit *ray_hits, uint32_t count) {
-    kdr_packet_rays rays;
+static inline kdr_found found_by(const kdr_packet_found *found, uint32_t i) {
+    return (kdr_found){.t = found->t[i],
+                       .u = found->u[i],
+                       .v = found->v[i],
+                       .normal = {found->normal[0][i], found->normal[1][i], found->normal[2][i]},
+                       .primitive = found->primitive[i]};
+}
+
+/* Asks a packet, which has been answered by the dynamic triangles, of all else. */
+static void intersect_more(const kdr_committed *seen, const kdr_traversals *traversals, kdr_packet_rays *rays,
+                           kdr_ray_hit *ray_hits, uint32_t count) {
     kdr_packet_found found;
-    gather(&rays, &ray_hits->ray, sizeof *ray_hits, count, true);
-    scene->device->traversals->packet_closest(&scene->tree, &rays, &found);
+    for (uint32_t i = 0; i < count; i++)
+        rays->tmax[i] = ray_hits[i].ray.tmax;
+    if (seen->static_part)
+        traversals->packet_closest(&seen->static_part->tree, rays, &found);
     for (uint32_t i = 0; i < count; i++) {
-        kdr_found one = {.t = found.t[i],
-                         .u = found.u[i],
-                         .v = found.v[i],
-                         .normal = {found.normal[0][i], found.normal[1][i], found.normal[2][i]},
-                         .primitive = found.primitive[i]};
-        answer(scene, one.primitive != UINT32_MAX, &one, &ray_hits[i]);
+        kdr_found one = found_by(&found, i);
+        if (seen->static_part && one.primitive != UINT32_MAX)
+            answer_static(seen->static_part, &one, &ray_hits[i]);
+        if (seen->customs)
+            kdr_customs_closest(seen->customs, &ray_hits[i]);
     }
 }
 
-static void occluded_packet(const kdr_scene *scene, const kdr_ray *from, uint32_t count, bool together,
-                            uint8_t *occluded) {
+static void intersect_packet(const kdr_committed *seen, const kdr_traversals *traversals, kdr_ray_hit *ray_hits,
+                             uint32_t count) {
     kdr_packet_rays rays;
-    gather(&rays, from, sizeof *from, count, together);
-    uint64_t found = scene->device->traversals->packet_any(&scene->tree, &rays);
-    for (uint32_t i = 0; i < count; i++)
-        occluded[i] = any(scene, found >> i & 1, &from[i]);
+    kdr_packet_found found;
+    gather(&rays, &ray_hits->ray, sizeof *ray_hits, count, true);
+    traversals->packet_closest(&seen->dynamic_part->tree, &rays, &found);
+    for (uint32_t i = 0; i < count; i++) {
+        kdr_found one = found_by(&found, i);
+        answer(seen, one.primitive != UINT32_MAX, &one, &ray_hits[i]);
+    }
+    if (has_more(seen))
+        intersect_more(seen, traversals, &rays, ray_hits, count);
 }
 
-void kdr_intersect1(const kdr_scene *scene, kdr_ray_hit *ray_hit) { intersect(scene, ray_hit); }
+static void occluded_packet(const kdr_committed *seen, const kdr_traversals *traversals, const kdr_ray *from,
+                            uint32_t count, bool together, uint8_t *occluded) {
+    kdr_packet_rays rays;
+    gather(&rays, from, sizeof *from, count, together);
+    uint64_t all = rays.valid, found = traversals->packet_any(&seen->dynamic_part->tree, &rays);
+    rays.valid = all & ~found;
+    if (seen->static_part && rays.valid)
+        found |= traversals->packet_any(&seen->static_part->tree, &rays);
+    for (uint32_t i = 0; i < count; i++)
+        occluded[i] = (found >> i & 1) || (seen->customs && kdr_customs_any(seen->customs, &from[i]));
+}
+
+void kdr_intersect1(const kdr_scene *scene, kdr_ray_hit *ray_hit) {
+    kdr_visit visit = kdr_scene_enter(scene);
+    intersect(visit.seen, ray_hit);
+    kdr_scene_leave(visit);
+}
 
 bool kdr_occluded1(const kdr_scene *scene, const kdr_ray *ray) {
-    return any(scene, scene->lone.any(&scene->tree, ray), ray);
+    kdr_visit visit = kdr_scene_enter(scene);
+    bool hit = occluded(visit.seen, ray);
+    kdr_scene_leave(visit);
+    return hit;
 }
 
 /* How many rays are left for one call, at most a packet. */
@@ -142,30 +193,33 @@ static uint32_t next_rays(size_t begin, size_t count) {
 }
 
 void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_hit *ray_hits, size_t count) {
+    kdr_visit visit = kdr_scene_enter(scene);
     for (size_t begin = 0; begin < count; begin += KDR_PACKET_RAYS) {
         kdr_ray_hit *part = ray_hits + begin;
         uint32_t rays = next_rays(begin, count);
-        if (go_together(scene, def, &part->ray, sizeof *part, rays)) {
-            intersect_packet(scene, part, rays);
+        if (go_together(visit.seen, def, &part->ray, sizeof *part, rays)) {
+            intersect_packet(visit.seen, scene->device->traversals, part, rays);
             continue;
         }
         for (uint32_t i = 0; i < rays; i++)
-            intersect(scene, &part[i]);
+            intersect(visit.seen, &part[i]);
     }
+    kdr_scene_leave(visit);
 }
 
-void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, uint8_t *occluded,
-                    size_t count) {
-    const bool go_apart = scene->tree.wide && scene->device->traversals->takes_any_apart;
+void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, uint8_t *hit, size_t count) {
+    kdr_visit visit = kdr_scene_enter(scene);
+    const bool go_apart = visit.seen->wide && scene->device->traversals->takes_any_apart;
     for (size_t begin = 0; begin < count; begin += KDR_PACKET_RAYS) {
         const kdr_ray *part = rays + begin;
         uint32_t left = next_rays(begin, count);
-        bool together = go_together(scene, def, part, sizeof *part, left);
+        bool together = go_together(visit.seen, def, part, sizeof *part, left);
         if (together || (go_apart && left >= FEWEST_TOGETHER)) {
-            occluded_packet(scene, part, left, together, occluded + begin);
+            occluded_packet(visit.seen, scene->device->traversals, part, left, together, hit + begin);
             continue;
         }
         for (uint32_t i = 0; i < left; i++)
-            occluded[begin + i] = any(scene, scene->lone.any(&scene->tree, &part[i]), &part[i]);
+            hit[begin + i] = occluded(visit.seen, &part[i]);
     }
+    kdr_scene_leave(visit);
 }

@@ -1,5 +1,7 @@
 #include "scene/scene.h"
 
+#include "build/plan.h"
+
 #include <string.h>
 
 kdr_triangles_def kdr_default_triangles_def(void) {
@@ -7,39 +9,91 @@ kdr_triangles_def kdr_default_triangles_def(void) {
         .size = sizeof(kdr_triangles_def), .vertex_stride = 3 * sizeof(float), .index_stride = 3 * sizeof(uint32_t)};
 }
 
-kdr_status kdr_scene_create(kdr_device *device, kdr_scene **out) {
+kdr_scene_def kdr_default_scene_def(void) {
+    return (kdr_scene_def){.size = sizeof(kdr_scene_def), .static_build = kdr_quality_build_def(KDR_QUALITY_BEST)};
+}
+
+kdr_status kdr_scene_create(kdr_device *device, kdr_scene **out) { return kdr_scene_create_with(device, NULL, out); }
+
+kdr_status kdr_scene_create_with(kdr_device *device, const kdr_scene_def *given, kdr_scene **out) {
     if (!device || !out)
         return kdr_device_fail(device, KDR_ERROR_INVALID_ARGUMENT, "a scene needs a device and a place for its handle");
     *out = NULL;
+    kdr_scene_def def = given ? *given : kdr_default_scene_def();
+    if (def.size != sizeof def)
+        return kdr_device_fail(device, KDR_ERROR_INVALID_ARGUMENT,
+                               "the scene def was not made by kdr_default_scene_def");
+    const char *problem = kdr_build_def_problem(&def.static_build);
+    if (problem)
+        return kdr_device_fail(device, KDR_ERROR_INVALID_ARGUMENT, "static_build: %s", problem);
     kdr_scene *scene = kdr_alloc_get(&device->alloc, sizeof *scene, 64);
-    if (!scene)
-        return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for a scene");
-    *scene = (kdr_scene){.device = device,
-                         .serial = device->scene_count++,
-                         .changed = true,
-                         .lone = kdr_lone_for(device->isa, KDR_TRACE_AUTO, KDR_NODES_STRUCTURES, KDR_MAILBOX_NONE)};
-    if (!kdr_tree_init_empty(&scene->tree, &device->bulk)) {
+    kdr_readers *readers = def.double_buffered ? kdr_alloc_get(&device->alloc, sizeof *readers, 64) : NULL;
+    kdr_part *nothing = kdr_part_create_empty(device);
+    if (!scene || !nothing || (def.double_buffered && !readers)) {
+        kdr_part_leave(nothing, device);
+        kdr_alloc_release(&device->alloc, readers, sizeof *readers);
         kdr_alloc_release(&device->alloc, scene, sizeof *scene);
         return kdr_device_fail(device, KDR_ERROR_OUT_OF_MEMORY, "out of memory for a scene");
     }
+    *scene = (kdr_scene){.device = device,
+                         .serial = device->scene_count++,
+                         .dynamic_changed = true,
+                         .static_changed = true,
+                         .static_plan = kdr_plan_of(&def.static_build),
+                         .places = {{.dynamic_part = nothing}},
+                         .readers = readers};
+    for (uint32_t i = 0; readers && i < 2 * KDR_READER_STRIPES; i++)
+        atomic_init(&readers->of[i / KDR_READER_STRIPES][i % KDR_READER_STRIPES].in, 0);
+    atomic_init(&scene->shown, &scene->places[0]);
     *out = scene;
     return KDR_OK;
+}
+
+/* ---- what is shown */
+
+kdr_visit kdr_scene_count_in(const kdr_scene *scene) {
+    const uint32_t stripe = kdr_reader_stripe();
+    for (;;) {
+        const kdr_committed *seen = atomic_load(&scene->shown);
+        _Atomic uint32_t *counted = &scene->readers->of[seen - scene->places][stripe].in;
+        atomic_fetch_add(counted, 1);
+        if (atomic_load(&scene->shown) == seen)
+            return (kdr_visit){seen, counted};
+        atomic_fetch_sub(counted, 1);
+    }
+}
+
+void kdr_scene_empty_place(kdr_scene *scene, kdr_committed *place) {
+    kdr_part_leave(place->dynamic_part, scene->device);
+    kdr_part_leave(place->static_part, scene->device);
+    kdr_customs_destroy(place->customs, scene->device);
+    *place = (kdr_committed){0};
+}
+
+kdr_committed *kdr_scene_other_place(kdr_scene *scene) {
+    uint32_t other = atomic_load(&scene->shown) == &scene->places[0];
+    if (scene->readers)
+        kdr_readers_wait(scene->readers, other);
+    kdr_scene_empty_place(scene, &scene->places[other]);
+    return &scene->places[other];
 }
 
 void kdr_scene_destroy(kdr_scene *scene) {
     if (!scene)
         return;
     kdr_alloc *alloc = &scene->device->alloc;
-    kdr_tree_release(&scene->tree, &scene->device->bulk);
-    kdr_customs_destroy(scene->customs, scene->device);
-    kdr_bulk_put(&scene->device->bulk, scene->first, ((size_t)scene->committed_count + 1) * sizeof *scene->first);
+    for (int i = 0; i < 2; i++)
+        kdr_scene_empty_place(scene, &scene->places[i]);
     for (uint32_t g = 0; scene->custom_defs && g < scene->geometry_count; g++)
         if (kdr_scene_is_instance(scene, g))
             kdr_alloc_release(alloc, scene->custom_defs[g].user, sizeof(kdr_instance_def));
     kdr_alloc_release(alloc, scene->geometries, scene->geometry_capacity * sizeof *scene->geometries);
     kdr_alloc_release(alloc, scene->custom_defs, scene->geometry_capacity * sizeof *scene->custom_defs);
+    kdr_alloc_release(alloc, scene->readers, sizeof *scene->readers);
     kdr_alloc_release(alloc, scene, sizeof *scene);
 }
+
+/* ---- geometries of triangles */
 
 /* A sentence about what is wrong with a def, or NULL. */
 static const char *def_problem(const kdr_triangles_def *def) {
@@ -81,6 +135,14 @@ static bool reserve(kdr_scene *scene, size_t capacity, bool with_customs) {
     return true;
 }
 
+/* Notes that the tree that a geometry belongs to is out of date. */
+static void mark(kdr_scene *scene, uint32_t geometry) {
+    if (scene->geometries[geometry].is_static)
+        scene->static_changed = true;
+    else
+        scene->dynamic_changed = true;
+}
+
 kdr_status kdr_scene_add(kdr_scene *scene, const kdr_triangles_def *triangles, const kdr_custom_def *custom,
                          uint32_t *geometry) {
     if (scene->geometry_count == UINT32_MAX - 1)
@@ -96,8 +158,8 @@ kdr_status kdr_scene_add(kdr_scene *scene, const kdr_triangles_def *triangles, c
         *geometry = scene->geometry_count;
     if (custom)
         scene->custom_defs[scene->geometry_count] = *custom;
-    scene->geometries[scene->geometry_count++] = *triangles;
-    scene->changed = true;
+    scene->geometries[scene->geometry_count] = *triangles;
+    mark(scene, scene->geometry_count++);
     return KDR_OK;
 }
 
@@ -120,8 +182,9 @@ kdr_status kdr_scene_set_triangles(kdr_scene *scene, uint32_t geometry, const kd
         return kdr_device_fail(scene->device, KDR_ERROR_INVALID_ARGUMENT, "the scene has no geometry %u", geometry);
     if (kdr_scene_is_custom(scene, geometry))
         return kdr_device_fail(scene->device, KDR_ERROR_INVALID_ARGUMENT, "geometry %u has no triangles", geometry);
+    mark(scene, geometry);
     scene->geometries[geometry] = *def;
-    scene->changed = true;
+    mark(scene, geometry);
     return KDR_OK;
 }
 
@@ -130,6 +193,14 @@ kdr_status kdr_scene_touch(kdr_scene *scene, uint32_t geometry) {
         return KDR_ERROR_INVALID_ARGUMENT;
     if (geometry >= scene->geometry_count)
         return kdr_device_fail(scene->device, KDR_ERROR_INVALID_ARGUMENT, "the scene has no geometry %u", geometry);
-    scene->changed = true;
+    mark(scene, geometry);
+    return KDR_OK;
+}
+
+kdr_status kdr_scene_set_progress(kdr_scene *scene, kdr_progress_fn *fn, void *user) {
+    if (!scene)
+        return KDR_ERROR_INVALID_ARGUMENT;
+    scene->tell = fn;
+    scene->tell_user = user;
     return KDR_OK;
 }

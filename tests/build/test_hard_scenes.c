@@ -149,7 +149,7 @@ static build_account account_for(const kdr_triangles_def *triangles, const char 
     assert_int_equal(kdr_scene_verify(scene), KDR_OK);
     assert_int_equal(kdr_scene_stats(scene, &account.stats), KDR_OK);
     account.peak_bytes = kdr_device_peak_bytes(device);
-    primitive_set all = look_below(&scene->tree, 0, &account);
+    primitive_set all = look_below(&scene->shown->dynamic_part->tree, 0, &account);
     assert_true(all.count == account.stats.triangle_count);
     free(all.items);
     kdr_scene_destroy(scene);

@@ -133,22 +133,23 @@ static void check_build(kdr_device *device, const kdr_triangles_def *triangles, 
     out->builds++;
 
     /* One tree for all: with the annexes of every traversal by name. */
-    made = made && kdr_tree_add_arrays(&scene->tree, &device->bulk) && kdr_tree_add_links(&scene->tree, &device->bulk);
-    if (!made || (scene->tree.wide != NULL) != wants_wide || stats.largest_leaf < longest_leaf) {
+    made = made && kdr_tree_add_arrays(&scene->shown->dynamic_part->tree, &device->bulk) &&
+           kdr_tree_add_links(&scene->shown->dynamic_part->tree, &device->bulk);
+    if (!made || (scene->shown->dynamic_part->tree.wide != NULL) != wants_wide || stats.largest_leaf < longest_leaf) {
         out->unsound++;
         kdr_scene_destroy(scene);
         return;
     }
-    scene->tree.mailbox_size = 16;
+    scene->shown->dynamic_part->tree.mailbox_size = 16;
     for (uint32_t i = 0; i < rays; i++) {
         kdr_ray ray = random_ray(&random, i);
         bool hit;
-        out->differences += differs(&scene->tree, isa, &ray, i % 13 == 0, &hit);
+        out->differences += differs(&scene->shown->dynamic_part->tree, isa, &ray, i % 13 == 0, &hit);
         out->hits += hit;
         out->rays++;
     }
     for (uint32_t i = 0; i < rays / KDR_PACKET_RAYS; i++)
-        out->differences += packet_differences(&scene->tree, kdr_traversals_for(isa), &random, i);
+        out->differences += packet_differences(&scene->shown->dynamic_part->tree, kdr_traversals_for(isa), &random, i);
     kdr_scene_destroy(scene);
 }
 

@@ -267,13 +267,13 @@ static void spoil(kdr_scene *scene) {
     assert_int_equal(kdr_build_def_parse(planted_row, &def, NULL, 0), KDR_OK);
     true_table = kdr_traversals_for(scene->device->isa);
     scene->device->traversals = true_table;
-    if (scene->plan.trace != def.trace || scene->plan.nodes != def.nodes)
+    if (scene->shown->dynamic_part->plan.trace != def.trace || scene->shown->dynamic_part->plan.nodes != def.nodes)
         return;
-    truth = scene->lone;
+    truth = scene->shown->dynamic_part->lone;
     if (planted_lone && planted_lone->closest)
-        scene->lone.closest = planted_lone->closest;
+        scene->shown->dynamic_part->lone.closest = planted_lone->closest;
     if (planted_lone && planted_lone->any)
-        scene->lone.any = planted_lone->any;
+        scene->shown->dynamic_part->lone.any = planted_lone->any;
     false_table = *true_table;
     if (planted_packet && planted_packet->closest)
         false_table.packet_closest = planted_packet->closest;

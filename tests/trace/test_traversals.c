@@ -85,7 +85,7 @@ static void hold_plans(const soup_scene *soup, const kdr_ray *rays, const query_
         plan_name name;
         for (size_t i = 0; device && plan_of(i, others, &def, &name); i++, scenes++) {
             kdr_scene *scene = committed_scene(device, soup->geometries, SOUP_GEOMETRIES, &def);
-            assert_null(scene->tree.wide);
+            assert_null(scene->shown->dynamic_part->tree.wide);
             char text[300];
             snprintf(text, sizeof text, "%s, %s, %s", label, kdr_isa_name((kdr_isa)isa), name.text);
             if (i % 5 == 0 && query_sheet_differences(sheet, scene, text) > 0)
@@ -196,7 +196,7 @@ static void done_with(fixture *made) {
 static void nodes_become_arrays_and_nodes_again_to_the_byte(void **state) {
     (void)state;
     fixture made = scene_by("trace=stack nodes=arrays leaf-limit=4");
-    const kdr_tree *tree = &made.scene->tree;
+    const kdr_tree *tree = &made.scene->shown->dynamic_part->tree;
     assert_true(tree->node_count > 100);
     assert_int_equal(tree->arrays.bytes, 13 * tree->node_count);
     kdr_node *words = test_allocate(tree->node_count, sizeof *words);
@@ -230,8 +230,8 @@ static void links_name_every_nodes_parent_and_cell(void **state) {
     (void)state;
     fixture made = scene_by("trace=backtrack leaf-limit=4");
     uint32_t visited = 0;
-    assert_true(kdr_tree_walk(&made.scene->tree, link_is_right, &visited));
-    assert_int_equal(visited, made.scene->tree.node_count - 1);
+    assert_true(kdr_tree_walk(&made.scene->shown->dynamic_part->tree, link_is_right, &visited));
+    assert_int_equal(visited, made.scene->shown->dynamic_part->tree.node_count - 1);
     done_with(&made);
 }
 
@@ -259,10 +259,10 @@ static void another_traversal_is_in_force_after_a_commit_and_the_tree_is_the_sam
     (void)state;
     fixture made = scene_by("trace=backtrack");
     uint64_t hash = kdr_scene_hash(made.scene);
-    assert_non_null(made.scene->tree.links.parent);
+    assert_non_null(made.scene->shown->dynamic_part->tree.links.parent);
     assert_int_equal(kdr_scene_commit(made.scene, NULL), KDR_OK);
-    assert_null(made.scene->tree.links.parent);
-    assert_ptr_equal(made.scene->lone.closest, made.device->traversals->single_closest);
+    assert_null(made.scene->shown->dynamic_part->tree.links.parent);
+    assert_ptr_equal(made.scene->shown->dynamic_part->lone.closest, made.device->traversals->single_closest);
     assert_true(kdr_scene_hash(made.scene) == hash);
     done_with(&made);
 }
@@ -284,17 +284,22 @@ static void a_commit_without_memory_for_an_annex_keeps_the_old_traversal(void **
             kdr_device *device = device_of_isa(KDR_ISA_SCALAR, 1, &functions);
             kdr_scene *scene = committed_scene(device, soup.geometries, SOUP_GEOMETRIES, i < 3 ? NULL : &from);
             kdr_scene_touch(scene, 0);
-            kdr_lone lone = scene->lone;
+            kdr_lone lone = scene->shown->dynamic_part->lone;
+            kdr_device_trim(device);
             failing_alloc_fail_nth(&memory, n);
             kdr_status status = kdr_scene_commit(scene, &to);
             failures += memory.failures > 0;
             failing_alloc_fail_nth(&memory, 0);
             if (status != KDR_OK) {
                 assert_int_equal(status, KDR_ERROR_OUT_OF_MEMORY);
-                assert_true(scene->lone.closest == lone.closest && scene->lone.any == lone.any);
-                assert_true((scene->tree.links.parent != NULL) == (i >= 3 && from.trace == KDR_TRACE_BACKTRACK));
-                assert_true((scene->tree.arrays.plane != NULL) == (i >= 3 && from.nodes == KDR_NODES_ARRAYS));
-                assert_true((scene->tree.projections.rows != NULL) == (i >= 3 && from.test == KDR_TEST_PROJECTION));
+                assert_true(scene->shown->dynamic_part->lone.closest == lone.closest &&
+                            scene->shown->dynamic_part->lone.any == lone.any);
+                assert_true((scene->shown->dynamic_part->tree.links.parent != NULL) ==
+                            (i >= 3 && from.trace == KDR_TRACE_BACKTRACK));
+                assert_true((scene->shown->dynamic_part->tree.arrays.plane != NULL) ==
+                            (i >= 3 && from.nodes == KDR_NODES_ARRAYS));
+                assert_true((scene->shown->dynamic_part->tree.projections.rows != NULL) ==
+                            (i >= 3 && from.test == KDR_TEST_PROJECTION));
                 assert_int_equal(kdr_scene_verify(scene), KDR_OK);
             }
             kdr_scene_destroy(scene);

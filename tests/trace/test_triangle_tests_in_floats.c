@@ -244,9 +244,9 @@ static void one_tree_has_the_same_bits_however_it_is_asked(void **state) {
     for (size_t kind = 0; kind < soup_kind_count; kind++) {
         fixture f = fixture_create(soup_kinds[kind].name, 560 + kind, RAYS / 3 + 1);
         kdr_scene *scene = scene_of(&f, "test=projection", others[kind % 4]);
-        assert_true(kdr_tree_add_arrays(&scene->tree, &f.device->bulk));
-        hold_bits(&f, &scene->tree, KDR_TEST_MOLLER_TRUMBORE, soup_kinds[kind].name);
-        hold_bits(&f, &scene->tree, KDR_TEST_PROJECTION, soup_kinds[kind].name);
+        assert_true(kdr_tree_add_arrays(&scene->shown->dynamic_part->tree, &f.device->bulk));
+        hold_bits(&f, &scene->shown->dynamic_part->tree, KDR_TEST_MOLLER_TRUMBORE, soup_kinds[kind].name);
+        hold_bits(&f, &scene->shown->dynamic_part->tree, KDR_TEST_PROJECTION, soup_kinds[kind].name);
         kdr_scene_destroy(scene);
         fixture_destroy(&f);
     }

@@ -77,12 +77,13 @@ static void every_triangle_is_shown_whole_by_a_leaf_or_by_all_that_hold_it(void 
         soup_scene soup = soup_scene_create_kind(&random, &soup_kinds[kind], count);
         kdr_device *device = NULL;
         kdr_scene *scene = scene_on(KDR_ISA_NEON, &soup, &device);
-        const kdr_tree *tree = &scene->tree;
+        const kdr_tree *tree = &scene->shown->dynamic_part->tree;
         if (tree->wide) {
-            showing *of = test_allocate(scene->first[scene->committed_count], sizeof *of);
+            showing *of =
+                test_allocate(scene->shown->dynamic_part->first[scene->shown->dynamic_part->count], sizeof *of);
             count_held(tree, of);
             count_shown(tree, of);
-            for (uint32_t i = 0; i < scene->first[scene->committed_count]; i++) {
+            for (uint32_t i = 0; i < scene->shown->dynamic_part->first[scene->shown->dynamic_part->count]; i++) {
                 assert_true(of[i].whole > 0 || of[i].shown >= of[i].held);
                 assert_true(of[i].shown <= of[i].held);
                 spared += of[i].held - of[i].shown;
@@ -105,12 +106,15 @@ static void every_instruction_set_shows_the_same(void **state) {
     kdr_scene *widest = scene_on(KDR_ISA_NEON, &soup, &widest_device);
     for (int isa = KDR_ISA_SSE42; isa <= KDR_ISA_AVX512; isa++) {
         kdr_scene *scene = scene_on((kdr_isa)isa, &soup, &device);
-        assert_int_equal(scene->tree.wide_bytes, widest->tree.wide_bytes);
-        assert_int_equal(scene->tree.block_bytes, widest->tree.block_bytes);
-        assert_memory_equal(scene->tree.blocks, widest->tree.blocks, scene->tree.block_bytes);
-        for (size_t n = 0; n < scene->tree.wide_bytes / sizeof *scene->tree.wide; n++)
-            assert_memory_equal(scene->tree.wide[n].child, widest->tree.wide[n].child,
-                                sizeof scene->tree.wide[n].child);
+        assert_int_equal(scene->shown->dynamic_part->tree.wide_bytes, widest->shown->dynamic_part->tree.wide_bytes);
+        assert_int_equal(scene->shown->dynamic_part->tree.block_bytes, widest->shown->dynamic_part->tree.block_bytes);
+        assert_memory_equal(scene->shown->dynamic_part->tree.blocks, widest->shown->dynamic_part->tree.blocks,
+                            scene->shown->dynamic_part->tree.block_bytes);
+        for (size_t n = 0;
+             n < scene->shown->dynamic_part->tree.wide_bytes / sizeof *scene->shown->dynamic_part->tree.wide; n++)
+            assert_memory_equal(scene->shown->dynamic_part->tree.wide[n].child,
+                                widest->shown->dynamic_part->tree.wide[n].child,
+                                sizeof scene->shown->dynamic_part->tree.wide[n].child);
         kdr_scene_destroy(scene);
         kdr_device_destroy(device);
     }
