@@ -6,7 +6,7 @@ set(KDRAY_PKGCONFIG_DIR ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 # Libraries and headers
 set(installed kdray)
-set(headers counts.h kdray.h plan.h rays.h tree.h)
+set(headers cost.h counts.h kdray.h plan.h rays.h tree.h)
 if(KDRAY_RENDER)
   list(APPEND installed kdray-render)
   list(APPEND headers render.h)
