@@ -19,6 +19,7 @@ option(KDRAY_EXPERIMENTS "Build the experiments of bench/ (the tests do so too)"
 option(KDRAY_FUZZ "Build the fuzz targets (clang only)" OFF)
 option(KDRAY_OPENMP "Build libkdray-openmp, the OpenMP task backend" ON)
 option(KDRAY_ASSIMP "Read glTF and other formats through assimp" ON)
+option(KDRAY_WINDOW "Let kdray view open windows, by SDL2" ON)
 option(KDRAY_COUNTING "Count what queries do, for kdray info --trace; slower" OFF)
 option(KDRAY_WERROR "Treat warnings as errors" OFF)
 set(KDRAY_SANITIZE "" CACHE STRING "Sanitizers, as in -fsanitize=")

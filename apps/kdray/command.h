@@ -18,6 +18,7 @@ typedef struct kdr_command {
 
 int kdr_command_render(int argc, char **argv);
 int kdr_command_animate(int argc, char **argv);
+int kdr_command_view(int argc, char **argv);
 int kdr_command_info(int argc, char **argv);
 int kdr_command_bench(int argc, char **argv);
 

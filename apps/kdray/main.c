@@ -15,6 +15,7 @@
 static const kdr_command commands[] = {
     {"render", "a picture of a mesh file", kdr_command_render},
     {"animate", "numbered pictures, or a video, of what moves", kdr_command_animate},
+    {"view", "a window on a mesh, still or moving", kdr_command_view},
     {"info", "what a mesh and its tree are made of", kdr_command_info},
 #ifdef KDR_WITH_BENCH
     {"bench", "speed of kdray, and of Embree beside it where it is there", kdr_command_bench},

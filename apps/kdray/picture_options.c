@@ -15,6 +15,12 @@ static const struct argp_option options[] = {
     {"resolution", 'r', "WxH", 0, "Pixels (default: 1024x1024)", 1},
     {"spp", SPP, "N", 0, "Samples a pixel, 1 to 65536 (default: 1)", 1},
     {"seed", SEED, "N", 0, "Seed of the samples' positions (default: 0)", 1},
+    {"box", BOX, NULL, 0, "Put the model in a textured box", 2},
+    {"texture", TEXTURE, "FILE", 0, "PNG file on the box (default: a checkerboard)", 2},
+    {0},
+};
+
+static const struct argp_option camera_options[] = {
     {NULL, 0, NULL, 0, "View (default: the model from three quarters above):", 2},
     {"view", VIEW, "FILE", 0, "Read one line of 13 numbers: eye, target, up, field of view, light", 2},
     {"camera", CAMERA, "X,Y,Z", 0, "Where the eye is", 2},
@@ -22,8 +28,6 @@ static const struct argp_option options[] = {
     {"up", UP, "X,Y,Z", 0, "Which way is up (default: 0,1,0)", 2},
     {"fov", FOV, "DEGREES", 0, "Vertical field of view, above 0 and below 180 (default: 45)", 2},
     {"light", LIGHT, "X,Y,Z", 0, "A point light; up to 16 of them", 2},
-    {"box", BOX, NULL, 0, "Put the model in a textured box", 2},
-    {"texture", TEXTURE, "FILE", 0, "PNG file on the box (default: a checkerboard)", 2},
     {0},
 };
 
@@ -36,15 +40,9 @@ static void add_light(kdr_picture_options *picture, const char *text, struct arg
     picture->light_count++;
 }
 
-static error_t parse(int key, char *text, struct argp_state *state) {
+static error_t parse_camera(int key, char *text, struct argp_state *state) {
     kdr_picture_options *picture = state->input;
     switch (key) {
-    case 'r':
-        kdr_option_size(state, "--resolution", text, SIDE_LIMIT, &picture->width, &picture->height);
-        picture->size_given = true;
-        break;
-    case SPP: picture->samples = (uint32_t)kdr_option_whole(state, "--spp", text, 1, SAMPLE_LIMIT); break;
-    case SEED: picture->seed = kdr_option_whole(state, "--seed", text, 0, UINT64_MAX); break;
     case VIEW: picture->view = text; break;
     case CAMERA:
         kdr_option_triple(state, "--camera", text, picture->camera.eye);
@@ -63,6 +61,23 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         picture->fov_given = true;
         break;
     case LIGHT: add_light(picture, text, state); break;
+    default: return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+const struct argp kdr_camera_argp = {.options = camera_options, .parser = parse_camera};
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    kdr_picture_options *picture = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = picture; break;
+    case 'r':
+        kdr_option_size(state, "--resolution", text, SIDE_LIMIT, &picture->width, &picture->height);
+        picture->size_given = true;
+        break;
+    case SPP: picture->samples = (uint32_t)kdr_option_whole(state, "--spp", text, 1, SAMPLE_LIMIT); break;
+    case SEED: picture->seed = kdr_option_whole(state, "--seed", text, 0, UINT64_MAX); break;
     case BOX: picture->box = true; break;
     case TEXTURE: picture->texture = text; break;
     case ARGP_KEY_END:
@@ -74,7 +89,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     return 0;
 }
 
-const struct argp kdr_picture_argp = {.options = options, .parser = parse};
+static const struct argp_child children[] = {{&kdr_camera_argp, 0, NULL, 0}, {0}};
+
+const struct argp kdr_picture_argp = {.options = options, .parser = parse, .children = children};
 
 kdr_picture_options kdr_default_picture_options(void) {
     return (kdr_picture_options){.width = 1024, .height = 1024, .samples = 1};

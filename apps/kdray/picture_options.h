@@ -1,4 +1,5 @@
-/* Options of every command that makes pictures: their size, the view, lights and the box. */
+/* Options of every command that makes pictures: their size, the view, lights and the box. A window has those of the
+ * camera: view and lights. */
 #ifndef KDR_APPS_KDRAY_PICTURE_OPTIONS_H
 #define KDR_APPS_KDRAY_PICTURE_OPTIONS_H
 
@@ -21,7 +22,8 @@ typedef struct kdr_picture_options {
     uint64_t seed;
 } kdr_picture_options;
 
-/* A child parser for argp; its input is a kdr_picture_options. */
+/* Child parsers for argp; their input is a kdr_picture_options. The camera's options, and all of them. */
+extern const struct argp kdr_camera_argp;
 extern const struct argp kdr_picture_argp;
 
 kdr_picture_options kdr_default_picture_options(void);
