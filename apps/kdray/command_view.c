@@ -110,9 +110,9 @@ static bool run(kdr_viewing *view, const kdr_view_options *options) {
 
 static double mean(double sum, uint64_t count) { return count > 0 ? sum / (double)count : 0; }
 
-/* Frames a second, from the first to the last one. */
+/* Frames a second, of those that followed another one without rest. */
 static double speed(const kdr_viewing *view) {
-    return view->end > view->begin ? (double)(view->frames - 1) / (view->end - view->begin) : 0;
+    return view->busy_seconds > 0 ? (double)view->busy / view->busy_seconds : 0;
 }
 
 static bool write_json(const kdr_viewing *view, const kdr_view_options *options) {
@@ -130,6 +130,7 @@ static bool write_json(const kdr_viewing *view, const kdr_view_options *options)
     kdr_json_whole(&json, "frames", view->frames);
     kdr_json_real(&json, "fps", speed(view));
     kdr_json_whole(&json, "builds", view->builds);
+    kdr_json_real(&json, "sample_ms", 1e3 * mean(view->sample_seconds, view->builds));
     kdr_json_real(&json, "build_ms", 1e3 * mean(view->build_seconds, view->builds));
     kdr_json_whole(&json, "passes", view->passes);
     kdr_json_real(&json, "trace_ms", 1e3 * mean(view->trace_seconds, view->passes));
@@ -140,9 +141,10 @@ static bool write_json(const kdr_viewing *view, const kdr_view_options *options)
 }
 
 static void print_summary(const kdr_viewing *view) {
-    fprintf(stderr, "%llu frame%s: %.1f fps, build %.1f ms, trace %.1f ms, %.2f Mray/s\n",
+    fprintf(stderr, "%llu frame%s: %.1f fps, mesh %.1f ms, build %.1f ms, trace %.1f ms, %.2f Mray/s\n",
             (unsigned long long)view->frames, view->frames == 1 ? "" : "s", speed(view),
-            1e3 * mean(view->build_seconds, view->builds), 1e3 * mean(view->trace_seconds, view->passes),
+            1e3 * mean(view->sample_seconds, view->builds), 1e3 * mean(view->build_seconds, view->builds),
+            1e3 * mean(view->trace_seconds, view->passes),
             view->trace_seconds > 0 ? 1e-6 * (double)view->rays / view->trace_seconds : 0);
 }
 

@@ -1,5 +1,5 @@
-/* A camera in somebody's hands: it goes around what it looks at, along with it, nearer, or flies. Lengths are in units of
- * the distance from eye to target, so every model feels alike. `up` stays what it is: the horizon never tilts. */
+/* A camera in somebody's hands: it goes around what it looks at, along with it, nearer, or flies. Lengths are in units
+ * of the distance from eye to target, so every model feels alike. `up` stays what it is: the horizon never tilts. */
 #ifndef KDR_APPS_KDRAY_VIEW_CAMERA_H
 #define KDR_APPS_KDRAY_VIEW_CAMERA_H
 

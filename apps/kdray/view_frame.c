@@ -54,6 +54,7 @@ static kdr_view_figures figures_of(const kdr_viewing *view, bool rests) {
         .note = view->note[0] ? view->note : NULL,
         .triangles = view->stage.mesh->triangle_count,
         .show = view->show,
+        .sample_ms = 1e3 * view->stage.sample_seconds,
         .build_ms = 1e3 * view->stage.build_seconds,
         .trace_ms = 1e3 * picture->seconds,
         .frames_a_second = rests ? 0 : view->frames_a_second,
@@ -93,16 +94,24 @@ static void compose(kdr_viewing *view, const kdr_camera_frame *frame, bool with_
         kdr_view_panel_draw_help(&view->canvas);
 }
 
-static void count_frame(kdr_viewing *view, double now) {
+/* The speed is that of frames that follow one another; who waits for a hand is not slow. */
+static void count_frame(kdr_viewing *view, double now, bool rests) {
     view->frames++;
-    view->counted++;
-    view->end = now;
-    if (view->begin <= 0)
-        view->begin = view->counted_since = now;
+    if (view->last > 0) {
+        view->busy++;
+        view->busy_seconds += now - view->last;
+        view->counted++;
+    } else {
+        view->counted_since = now;
+        view->counted = 0;
+    }
+    view->last = rests ? 0 : now;
     double period = now - view->counted_since;
+    if (period < FIGURES_PERIOD && view->frames_a_second > 0)
+        return;
+    view->frames_a_second = period > 0 ? view->counted / period : 0;
     if (period < FIGURES_PERIOD)
         return;
-    view->frames_a_second = view->counted / period;
     view->counted_since = now;
     view->counted = 0;
 }
@@ -114,6 +123,7 @@ static bool prepare(kdr_viewing *view, kdr_camera_frame *frame) {
         return false;
     if (changed) {
         view->builds++;
+        view->sample_seconds += view->stage.sample_seconds;
         view->build_seconds += view->stage.build_seconds;
         view->cells_taken = false;
         view->moved = true;
@@ -138,13 +148,15 @@ bool kdr_view_frame_show(kdr_viewing *view, bool *rests) {
     *rests = pass.scale == 0;
     if (!*rests)
         trace(view, &frame, pass);
-    if (*rests && !view->redraw)
+    if (*rests && !view->redraw) {
+        view->last = 0;
         return true;
+    }
     view->redraw = !*rests; // that it rests is to be written too
     compose(view, &frame, true, *rests);
     bool shown = kdr_window_show(view->window, view->canvas.pixels, (uint32_t)view->canvas.width,
                                  (uint32_t)view->canvas.height, view->stage.messages);
-    count_frame(view, kdr_seconds());
+    count_frame(view, kdr_seconds(), *rests);
     return shown;
 }
 

@@ -8,8 +8,8 @@
 #include <stdio.h>
 
 #define HALF_TURN 3.14159265358979323846
-#define ZOOM_STEP 0.88   /* of the distance, for a step of the wheel */
-#define FLY_SPEED 0.7    /* distances to the target in a second */
+#define ZOOM_STEP 0.88 /* of the distance, for a step of the wheel */
+#define FLY_SPEED 0.7  /* distances to the target in a second */
 #define FLY_FASTER 4.0
 #define CELL_DEEPEST 60u
 

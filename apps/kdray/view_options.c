@@ -14,8 +14,8 @@ enum { FRAMES = 0x100, RATE, PAUSED, SHOW, SCREENSHOT };
 static const struct argp_option options[] = {
     {NULL, 0, NULL, 0, "Window:", 1},
     {"resolution", 'r', "WxH", 0, "Pixels at first (default: 960x720)", 1},
-    {"show", SHOW, "WHAT", 0, "picture, normals, depth, nodes or triangles that a pixel's ray passes (default: picture)",
-     1},
+    {"show", SHOW, "WHAT", 0,
+     "picture, normals, depth, nodes or triangles that a pixel's ray passes (default: picture)", 1},
     {"fps", RATE, "RATE", 0, "Frames a second of a sequence and of the arrow keys (default: 25)", 1},
     {"paused", PAUSED, NULL, 0, "Begin with what moves standing still", 1},
     {"frames", FRAMES, "N", 0, "Quit after so many frames were shown", 1},
@@ -26,7 +26,8 @@ static const struct argp_option options[] = {
 
 static const char description[] =
     "Look at a mesh, still or moving, in a window.\v"
-    "FILE is a mesh file, a glTF or GLB file, a name with # for the number of a sequence of mesh files (walk_####.ply), "
+    "FILE is a mesh file, a glTF or GLB file, a name with # for the number of a sequence of mesh files "
+    "(walk_####.ply), "
     "or builtin:NAME[:TRIANGLES[:TIME]], a built-in scene; `kdray info --scenes' lists those. The tree is built anew "
     "for every frame that moves. Drag to go around, H lists the keys, Esc quits.\n\n"
     "Exit status: 0 done, 1 failed, 2 wrong usage.";

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-#define FRAME 0.033  /* seconds that a frame in motion may take */
-#define LEAST 0.012  /* of them for tracing, whatever came before */
+#define FRAME 0.033    /* seconds that a frame in motion may take */
+#define LEAST 0.012    /* of them for tracing, whatever came before */
 #define RELUCTANCE 0.7 /* of the time that there is: what a finer picture must fit in */
 
 /* The scale that takes at most that time. */

@@ -33,9 +33,11 @@ int kdr_view_panel_lines(const kdr_view_figures *figures, char lines[KDR_PANEL_L
     int line = 0;
     write_count(count, f->triangles);
     // The end of a long name says more than its beginning.
-    size_t length = strlen(f->file), most = 32;
-    snprintf(lines[line++], KDR_PANEL_LINE_SIZE, "%s%s  %s triangle%s", length > most ? "..." : "",
-             f->file + (length > most ? length - most : 0), count, f->triangles == 1 ? "" : "s");
+    size_t length = strlen(f->file), most = 40;
+    snprintf(lines[line++], KDR_PANEL_LINE_SIZE, "%s%s", length > most ? "..." : "",
+             f->file + (length > most ? length - most : 0));
+    snprintf(lines[line++], KDR_PANEL_LINE_SIZE, "mesh  %8.2f ms  %s triangle%s", f->sample_ms, count,
+             f->triangles == 1 ? "" : "s");
     snprintf(lines[line++], KDR_PANEL_LINE_SIZE, "build %8.2f ms  plan %s", f->build_ms, f->plan);
     snprintf(lines[line++], KDR_PANEL_LINE_SIZE, "trace %8.2f ms  %.1f Mray/s, %s", f->trace_ms, f->mega_rays,
              f->trace);
@@ -47,8 +49,8 @@ int kdr_view_panel_lines(const kdr_view_figures *figures, char lines[KDR_PANEL_L
         snprintf(lines[line++], KDR_PANEL_LINE_SIZE, "speed %8.1f fps %" PRIu32 "x%" PRIu32 "%s", f->frames_a_second,
                  f->width, f->height, grain);
     else
-        snprintf(lines[line++], KDR_PANEL_LINE_SIZE, "speed  at rest    %" PRIu32 "x%" PRIu32 "%s", f->width,
-                 f->height, grain);
+        snprintf(lines[line++], KDR_PANEL_LINE_SIZE, "speed  at rest    %" PRIu32 "x%" PRIu32 "%s", f->width, f->height,
+                 grain);
     if (f->cells)
         snprintf(lines[line++], KDR_PANEL_LINE_SIZE, "cells %8" PRIu32 "%s   to depth %" PRIu32, f->cell_count,
                  f->cells_cut ? "+" : " ", f->cell_depth);
@@ -74,7 +76,7 @@ void kdr_view_panel_draw(kdr_canvas *canvas, const kdr_view_figures *figures) {
     for (int i = 0; i < count; i++) {
         bool is_note = i == count - 1 && figures->note;
         kdr_text_draw(canvas, 2 * margin, 2 * margin + i * KDR_TEXT_LINE * dot, dot,
-                      i == 0   ? ACCENT
+                      i == 0    ? ACCENT
                       : is_note ? DIM
                                 : INK,
                       lines[i]);

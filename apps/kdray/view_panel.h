@@ -12,14 +12,14 @@ typedef struct kdr_view_figures {
     const char *file, *plan, *trace, *note; /* note: NULL, or the last thing that happened */
     size_t triangles;
     kdr_view_show show;
-    double build_ms, trace_ms, frames_a_second, mega_rays; /* frames_a_second 0: the picture rests */
-    uint32_t width, height, scale, samples;                /* of the window; pixels a picture's pixel; samples a pixel */
+    double sample_ms, build_ms, trace_ms, frames_a_second, mega_rays; /* frames_a_second 0: the picture rests */
+    uint32_t width, height, scale, samples; /* of the window; pixels a picture's pixel; samples a pixel */
     bool cells, cells_cut;
     uint32_t cell_depth, cell_count;
     double low, high; /* of the scale of colours */
 } kdr_view_figures;
 
-#define KDR_PANEL_LINES 6
+#define KDR_PANEL_LINES 7
 #define KDR_PANEL_LINE_SIZE 80
 
 /* The figures as lines; returns how many. */

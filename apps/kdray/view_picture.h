@@ -11,13 +11,13 @@
 typedef struct kdr_view_picture {
     kdr_view_raster raster; /* of the last pass */
     float (*sums)[3];
-    float *depth;       /* distance from the camera's plane; infinity where nothing is hit */
-    float *values;      /* what is shown, where that is a number */
-    uint32_t *colours;  /* of the pixels, 0x00RRGGBB */
-    size_t capacity;    /* pixels */
-    float low, high;    /* ends of the scale, where there is one */
-    uint64_t rays;      /* of the last pass */
-    double seconds;     /* that it took */
+    float *depth;      /* distance from the camera's plane; infinity where nothing is hit */
+    float *values;     /* what is shown, where that is a number */
+    uint32_t *colours; /* of the pixels, 0x00RRGGBB */
+    size_t capacity;   /* pixels */
+    float low, high;   /* ends of the scale, where there is one */
+    uint64_t rays;     /* of the last pass */
+    double seconds;    /* that it took */
     kdr_view_painter *painters;
     uint32_t painter_count;
     uint8_t codes[KDR_VIEW_CODES + 1];

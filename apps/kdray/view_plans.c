@@ -4,14 +4,9 @@
 static const struct {
     const char *name, *words;
 } plans[] = {
-    {"fast", "quality=fast"},
-    {"balanced", "quality=balanced"},
-    {"best", "quality=best"},
-    {"sweep", "split=sweep"},
-    {"space median", "split=space"},
-    {"object median", "split=object"},
-    {"grid of 16", "share=grid/16"},
-    {"breadth first", "order=bfs"},
+    {"fast", "quality=fast"},        {"balanced", "quality=balanced"}, {"best", "quality=best"},
+    {"sweep", "split=sweep"},        {"space median", "split=space"},  {"object median", "split=object"},
+    {"grid of 16", "share=grid/16"}, {"breadth first", "order=bfs"},
 };
 
 #define PLAN_COUNT (sizeof plans / sizeof plans[0])

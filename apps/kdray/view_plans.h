@@ -4,6 +4,8 @@
 
 #include <kdray/render.h>
 
+#define KDR_VIEW_PLAN_BALANCED 2 /* the library's default */
+
 /* Number 0 is the plan that was given; the others are named. NULL past the last one. */
 const char *kdr_view_plan_name(uint32_t number);
 

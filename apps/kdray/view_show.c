@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#define OUTLIERS 0.002 /* of the values may be beyond the end of the scale */
+#define OUTLIERS 0.005 /* of the values may be beyond the end of the scale */
 #define BINS 1024
 
 const char *kdr_view_show_name(kdr_view_show show) {

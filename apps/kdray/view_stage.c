@@ -4,6 +4,7 @@
 #include "view_plans.h"
 
 #include <math.h>
+#include <string.h>
 
 #define VIEW_SAMPLES 9 /* moments that the view is fitted to */
 
@@ -11,6 +12,15 @@ static bool fail(kdr_view_stage *stage, const char *what, kdr_status status) {
     if (!kdr_signals_cancelled())
         kdr_messages_fail_status(stage->messages, what, status);
     return false;
+}
+
+/* True if nothing was said of the plan. */
+static bool is_default(const kdr_build_def *build) {
+    char given[KDR_PLAN_TEXT_SIZE] = "", usual[KDR_PLAN_TEXT_SIZE] = "";
+    kdr_build_def def = kdr_default_build_def();
+    kdr_build_def_print(build, given, sizeof given);
+    kdr_build_def_print(&def, usual, sizeof usual);
+    return strcmp(given, usual) == 0;
 }
 
 /* A long build ends when somebody wants the program to. */
@@ -26,6 +36,7 @@ bool kdr_view_stage_open(kdr_view_stage *stage, const kdr_view_options *options,
     stage->moment = NAN;
     stage->given = options->tree.build;
     stage->trace = options->tree.build.trace;
+    stage->plan = is_default(&stage->given) ? KDR_VIEW_PLAN_BALANCED : 0;
     kdr_status status = kdr_animation_open(options->file, options->rate, &stage->logger, &stage->animation);
     if (status != KDR_OK)
         return fail(stage, options->file, status);
@@ -46,9 +57,11 @@ static bool take_sample(kdr_view_stage *stage, double moment) {
     if (stage->mesh && stage->moment == moment)
         return true;
     stage->moment = NAN;
+    double begin = kdr_seconds();
     kdr_status status = kdr_animation_sample(stage->animation, moment, &stage->logger, &stage->mesh);
     if (status != KDR_OK)
         return fail(stage, stage->file, status);
+    stage->sample_seconds = kdr_seconds() - begin;
     stage->moment = moment;
     stage->is_built = false;
     return true;

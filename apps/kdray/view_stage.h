@@ -20,7 +20,7 @@ typedef struct kdr_view_stage {
     uint32_t built_plan; /* those of the tree */
     kdr_trace_rule built_trace;
     bool is_built;
-    double build_seconds; /* of the last commit */
+    double sample_seconds, build_seconds; /* the last mesh, and the last commit */
 } kdr_view_stage;
 
 /* Opens what is named, and makes a device and a scene. False after a sentence; what was made is there to be closed. */

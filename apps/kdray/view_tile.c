@@ -110,8 +110,8 @@ static void add_normal(const kdr_view_look *look, const kdr_view_raster *raster,
 }
 
 /* What needs no light's ray: sets point, normal and colour of a hit and adds what shines on it from all around. */
-static void add_surface(kdr_view_painter *painter, const kdr_view_look *look, const kdr_view_raster *raster,
-                        uint32_t i, float sum[3]) {
+static void add_surface(kdr_view_painter *painter, const kdr_view_look *look, const kdr_view_raster *raster, uint32_t i,
+                        float sum[3]) {
     const kdr_mesh *mesh = look->mesh;
     const kdr_ray_hit *found = &painter->hits[i];
     const kdr_ray *ray = &found->ray;

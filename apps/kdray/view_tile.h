@@ -32,7 +32,7 @@ typedef struct kdr_view_painter {
     kdr_ray_hit hits[KDR_TILE_PIXELS];
     kdr_ray shadows[KDR_TILE_PIXELS];
     uint8_t hidden[KDR_TILE_PIXELS];
-    uint16_t lit[KDR_TILE_PIXELS];                              /* whose shadow ray it is */
+    uint16_t lit[KDR_TILE_PIXELS]; /* whose shadow ray it is */
     float points[KDR_TILE_PIXELS][3], normals[KDR_TILE_PIXELS][3], colours[KDR_TILE_PIXELS][3];
 } kdr_view_painter;
 

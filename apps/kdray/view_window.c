@@ -119,8 +119,8 @@ bool kdr_window_holds(const kdr_window *window, const char *key) {
 bool kdr_window_show(kdr_window *window, uint32_t *pixels, uint32_t width, uint32_t height, kdr_messages *messages) {
     // The surface is another one after the size has changed; what lies outside is left out.
     SDL_Surface *surface = SDL_GetWindowSurface(window->window);
-    SDL_Surface *picture = SDL_CreateRGBSurfaceWithFormatFrom(pixels, (int)width, (int)height, 32, (int)width * 4,
-                                                              SDL_PIXELFORMAT_RGB888);
+    SDL_Surface *picture =
+        SDL_CreateRGBSurfaceWithFormatFrom(pixels, (int)width, (int)height, 32, (int)width * 4, SDL_PIXELFORMAT_RGB888);
     bool shown = surface && picture && SDL_BlitSurface(picture, NULL, surface, NULL) == 0 &&
                  SDL_UpdateWindowSurface(window->window) == 0;
     SDL_FreeSurface(picture);

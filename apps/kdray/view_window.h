@@ -26,9 +26,9 @@ typedef struct kdr_window_event {
     char key[16]; /* its name: "A", "Space", "F1" */
     bool repeated, shift;
     int button;
-    int x, y;           /* the mouse, pixels from the upper left corner */
-    int by_x, by_y;     /* how far it moved */
-    double wheel;       /* turns, away from the hand */
+    int x, y;       /* the mouse, pixels from the upper left corner */
+    int by_x, by_y; /* how far it moved */
+    double wheel;   /* turns, away from the hand */
 } kdr_window_event;
 
 /* True if there is a display. False after a sentence, also in a program that was built without windows. */

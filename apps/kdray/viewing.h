@@ -10,7 +10,7 @@
 #include "view_stage.h"
 #include "view_window.h"
 
-#define KDR_VIEW_SAMPLES 8   /* a pixel of a picture that rests */
+#define KDR_VIEW_SAMPLES 8    /* a pixel of a picture that rests */
 #define KDR_VIEW_CELL_DEPTH 8 /* of the cells that are shown at first */
 
 typedef enum kdr_view_drag { KDR_DRAG_NONE, KDR_DRAG_ORBIT, KDR_DRAG_PAN, KDR_DRAG_TURN, KDR_DRAG_BAR } kdr_view_drag;
@@ -43,10 +43,12 @@ typedef struct kdr_viewing {
 
     /* Figures. */
     uint64_t frames, builds, passes;
-    double build_seconds, trace_seconds; /* of all builds and passes */
+    double sample_seconds, build_seconds, trace_seconds; /* of all meshes, builds and passes */
     uint64_t rays;
-    double begin, end;        /* of the frames */
-    double frames_a_second;   /* lately */
+    double frames_a_second; /* lately */
+    double busy_seconds;    /* from the frame before to each of the busy ones */
+    uint64_t busy;          /* frames that followed another one without rest */
+    double last;            /* when the last frame was shown; 0: it rests */
     double counted_since;
     uint32_t counted;
 } kdr_viewing;
