@@ -14,6 +14,17 @@ struct kdr_window {
 };
 
 bool kdr_window_prepare(kdr_messages *messages) {
+    // Where there is no display, SDL takes a driver that shows nothing and says nothing, and what it tries before that
+    // says too much.
+    const char *x11 = getenv("DISPLAY"), *wayland = getenv("WAYLAND_DISPLAY"), *asked = getenv("SDL_VIDEODRIVER");
+    bool has_x11 = x11 && *x11, has_wayland = wayland && *wayland, is_asked = asked && *asked;
+    if (!has_x11 && !has_wayland && !is_asked) {
+        kdr_messages_fail(messages, "there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set");
+        return false;
+    }
+    if (has_x11 && !has_wayland)
+        SDL_SetHint(SDL_HINT_VIDEODRIVER, "x11"); // SDL_VIDEODRIVER counts more
+
     // Ctrl-C is the program's, as in every other command.
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
@@ -21,13 +32,12 @@ bool kdr_window_prepare(kdr_messages *messages) {
         kdr_messages_fail(messages, "there is no display for a window: %s", SDL_GetError());
         return false;
     }
-    // Where there is no display, SDL takes a driver that shows nothing, and says nothing.
-    const char *driver = SDL_GetCurrentVideoDriver(), *asked = getenv("SDL_VIDEODRIVER");
+    const char *driver = SDL_GetCurrentVideoDriver();
     bool shows = driver && strcmp(driver, "offscreen") != 0 && strcmp(driver, "dummy") != 0;
-    if (shows || (driver && asked && strstr(asked, driver)))
+    if (shows || is_asked)
         return true;
     SDL_Quit();
-    kdr_messages_fail(messages, "there is no display for a window; kdray render and kdray animate do without one");
+    kdr_messages_fail(messages, "there is no display for a window: SDL found none to open");
     return false;
 }
 
