@@ -7,7 +7,7 @@ _kdray() {
     COMPREPLY=()
 
     if ((COMP_CWORD == 1)); then
-        mapfile -t COMPREPLY < <(compgen -W 'render animate info bench --help --version' -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W 'render animate view info bench --help --version' -- "$word")
         return
     fi
 
@@ -26,7 +26,11 @@ _kdray() {
         mapfile -t COMPREPLY < <(compgen -W 'kdray embree' -- "$word")
         return
         ;;
-    -o | --output | --view | --texture | --compare | --json | --csv | --video)
+    --show)
+        mapfile -t COMPREPLY < <(compgen -W 'picture normals depth nodes triangles' -- "$word")
+        return
+        ;;
+    -o | --output | --screenshot | --view | --texture | --compare | --json | --csv | --video)
         compopt -o filenames 2>/dev/null
         mapfile -t COMPREPLY < <(compgen -f -- "$word")
         return
@@ -43,10 +47,12 @@ _kdray() {
 
     if [[ $word == -* ]]; then
         local options=''
-        local picture='--output --resolution --spp --seed --view --camera --target --up --fov --light --box --texture'
+        local camera='--view --camera --target --up --fov --light'
+        local picture="--output --resolution --spp --seed $camera --box --texture"
         case $command in
         render) options="$picture --time --compare --threshold --stats $build" ;;
         animate) options="$picture --frames --fps --resume --video --csv $build" ;;
+        view) options="--resolution --show --fps --paused --frames --screenshot $camera $build" ;;
         info) options="--scenes --plans --slice --output --trace $build" ;;
         bench) options="--resolution --rounds --only --csv $build" ;;
         esac
