@@ -134,7 +134,7 @@ static bool write_json(const kdr_viewing *view, const kdr_view_options *options)
     kdr_json_real(&json, "build_ms", 1e3 * mean(view->build_seconds, view->builds));
     kdr_json_whole(&json, "passes", view->passes);
     kdr_json_real(&json, "trace_ms", 1e3 * mean(view->trace_seconds, view->passes));
-    kdr_json_real(&json, "scale", view->pace.scale);
+    kdr_json_whole(&json, "scale", view->pace.scale);
     kdr_json_real(&json, "mray_s", view->trace_seconds > 0 ? 1e-6 * (double)view->rays / view->trace_seconds : 0);
     kdr_json_end(&json);
     return kdr_output_close(&output, view->stage.messages);

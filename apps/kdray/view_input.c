@@ -5,7 +5,6 @@
 #include "view_plans.h"
 
 #include <math.h>
-#include <stdio.h>
 
 #define HALF_TURN 3.14159265358979323846
 #define ZOOM_STEP 0.88 /* of the distance, for a step of the wheel */
@@ -13,15 +12,9 @@
 #define FLY_FASTER 4.0
 #define CELL_DEEPEST 60u
 
-static void note(kdr_viewing *view, const char *what, const char *which) {
-    snprintf(view->note, sizeof view->note, "%s %s", what, which);
-    view->redraw = true;
-}
-
 static void set_show(kdr_viewing *view, kdr_view_show show) {
     view->show = show;
     view->moved = true;
-    note(view, "shows", kdr_view_show_name(show));
 }
 
 static void next_trace(kdr_viewing *view, bool back) {
@@ -29,7 +22,6 @@ static void next_trace(kdr_viewing *view, bool back) {
     while (kdr_view_trace_name(count))
         count++;
     view->stage.trace = (kdr_trace_rule)((now + (back ? count - 1 : 1)) % count);
-    note(view, "traversal", kdr_view_trace_name(view->stage.trace));
 }
 
 static void set_cells(kdr_viewing *view, int deeper) {
@@ -69,15 +61,13 @@ static void act(kdr_viewing *view, kdr_view_key key, bool shift) {
     case KDR_ACTION_CELLS: set_cells(view, 0); break;
     case KDR_ACTION_CELLS_UP: set_cells(view, -1); break;
     case KDR_ACTION_CELLS_DOWN: set_cells(view, 1); break;
-    case KDR_ACTION_PLAN:
-        view->stage.plan = key.number;
-        note(view, "plan", kdr_view_plan_name(key.number));
-        break;
+    case KDR_ACTION_PLAN: view->stage.plan = key.number; break;
     case KDR_ACTION_TRACE_NEXT: next_trace(view, shift); break;
     case KDR_ACTION_SHOT: view->shot = true; break;
     case KDR_ACTION_SHOT_ALL: view->shot_all = true; break;
     case KDR_ACTION_NONE: return;
     }
+    view->note[0] = 0;
     view->redraw = true;
 }
 

@@ -34,8 +34,8 @@ int kdr_view_panel_lines(const kdr_view_figures *figures, char lines[KDR_PANEL_L
     write_count(count, f->triangles);
     // The end of a long name says more than its beginning.
     size_t length = strlen(f->file), most = 40;
-    snprintf(lines[line++], KDR_PANEL_LINE_SIZE, "%s%s", length > most ? "..." : "",
-             f->file + (length > most ? length - most : 0));
+    snprintf(lines[line++], KDR_PANEL_LINE_SIZE, "%s%s, %s", length > most ? "..." : "",
+             f->file + (length > most ? length - most : 0), kdr_view_show_name(f->show));
     snprintf(lines[line++], KDR_PANEL_LINE_SIZE, "mesh  %8.2f ms  %s triangle%s", f->sample_ms, count,
              f->triangles == 1 ? "" : "s");
     snprintf(lines[line++], KDR_PANEL_LINE_SIZE, "build %8.2f ms  plan %s", f->build_ms, f->plan);

@@ -148,7 +148,7 @@ static void figures_are_written_out(void **state) {
                                 .height = 480,
                                 .scale = 2};
     assert_int_equal(kdr_view_panel_lines(&figures, lines), 5);
-    assert_string_equal(lines[0], "builtin:wave");
+    assert_string_equal(lines[0], "builtin:wave, picture");
     assert_non_null(strstr(lines[1], "1,234,567 triangles"));
     assert_non_null(strstr(lines[2], "12.25 ms  plan sweep"));
     assert_non_null(strstr(lines[3], "3.50 ms  45.6 Mray/s, restart"));
