@@ -4,6 +4,7 @@
 
 #include <kdray/render.h>
 
+#define KDR_VIEW_PLAN_FAST 1     /* for a tree that serves one frame */
 #define KDR_VIEW_PLAN_BALANCED 2 /* the library's default */
 
 /* Number 0 is the plan that was given; the others are named. NULL past the last one. */

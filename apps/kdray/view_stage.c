@@ -36,11 +36,12 @@ bool kdr_view_stage_open(kdr_view_stage *stage, const kdr_view_options *options,
     stage->moment = NAN;
     stage->given = options->tree.build;
     stage->trace = options->tree.build.trace;
-    stage->plan = is_default(&stage->given) ? KDR_VIEW_PLAN_BALANCED : 0;
     kdr_status status = kdr_animation_open(options->file, options->rate, &stage->logger, &stage->animation);
     if (status != KDR_OK)
         return fail(stage, options->file, status);
     stage->duration = kdr_animation_duration(stage->animation);
+    if (is_default(&stage->given))
+        stage->plan = stage->duration > 0 ? KDR_VIEW_PLAN_FAST : KDR_VIEW_PLAN_BALANCED;
     stage->device = kdr_tree_options_device(&options->tree, messages);
     if (!stage->device)
         return false;

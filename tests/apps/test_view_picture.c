@@ -220,8 +220,30 @@ static void costs_are_brighter_the_higher_they_are(void **state) {
     assert_int_equal(before, 3 * 255);
 }
 
+/* True if some line of the help names a key that is one letter. */
+static bool is_told(char letter) {
+    for (size_t line = 0; kdr_view_help_keys(line); line++) {
+        const char *keys = kdr_view_help_keys(line);
+        for (const char *at = keys; *at; at++) {
+            bool begins = at == keys || at[-1] == ' ', ends = !at[1] || at[1] == ' ' || at[1] == ',';
+            if (*at == letter && begins && ends)
+                return true;
+        }
+    }
+    return false;
+}
+
 static void keys_are_found_by_name_and_all_are_told(void **state) {
     (void)state;
+    int found = 0;
+    for (char letter = '!'; letter <= 'Z'; letter++) {
+        const char name[2] = {letter, 0};
+        if (kdr_view_key_find(name).action == KDR_ACTION_NONE)
+            continue;
+        found++;
+        assert_true(is_told(letter));
+    }
+    assert_true(found > 20);
     assert_int_equal(kdr_view_key_find("Escape").action, KDR_ACTION_QUIT);
     assert_int_equal(kdr_view_key_find("5").number, 5);
     assert_int_equal(kdr_view_key_find("W").action, KDR_ACTION_NONE);
