@@ -13,6 +13,7 @@
 #include "view_frame.h"
 #include "view_input.h"
 #include "view_options.h"
+#include "view_plans.h"
 
 #include <math.h>
 #include <string.h>
@@ -126,7 +127,8 @@ static bool write_json(const kdr_viewing *view, const kdr_view_options *options)
     kdr_json_whole(&json, "triangles", view->stage.mesh->triangle_count);
     kdr_json_whole(&json, "threads", kdr_device_worker_count(view->stage.device));
     kdr_json_text(&json, "isa", kdr_isa_name(kdr_device_isa(view->stage.device)));
-    kdr_report_plan_json(&json, &options->tree.build);
+    const kdr_build_def plan = kdr_view_plan(&view->stage.given, view->stage.plan, view->stage.trace);
+    kdr_report_plan_json(&json, &plan);
     kdr_json_whole(&json, "frames", view->frames);
     kdr_json_real(&json, "fps", speed(view));
     kdr_json_whole(&json, "builds", view->builds);
