@@ -76,8 +76,7 @@ static kdr_status fill(kdr_scene *scene, const kdr_plan *plan, bool keep_dynamic
         return status;
     to->is_commit = true;
     to->has_more = to->static_part || to->customs;
-    to->is_named =
-        plan->trace != KDR_TRACE_AUTO || (to->static_part && scene->static_plan.trace != KDR_TRACE_AUTO);
+    to->is_named = plan->trace != KDR_TRACE_AUTO || (to->static_part && scene->static_plan.trace != KDR_TRACE_AUTO);
     to->wide = to->dynamic_part->tree.wide && (!to->static_part || to->static_part->tree.wide);
     return KDR_OK;
 }
