@@ -1,7 +1,6 @@
 /* A doubly buffered scene: whoever asks while it is committed sees the old trees or the new ones, whole. */
 #include "support/everywhere.h"
 #include "support/soup.h"
-#include "support/test_size.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -13,7 +12,7 @@
 
 #include <cmocka.h>
 
-enum { RAYS = 192, ASKERS = 4, FRAMES = TEST_SIZE(300), STATES = 3 };
+enum { RAYS = 192, ASKERS = 4, FRAMES = 300, STATES = 3 };
 
 /* Frame i shows state i % STATES, in which all triangles stand elsewhere; geometry 0 is static in every other frame. */
 typedef struct stage {
