@@ -48,7 +48,7 @@ _kdray() {
         render) options="$picture --time --compare --threshold --stats $build" ;;
         animate) options="$picture --frames --fps --resume --video --csv $build" ;;
         info) options="--scenes --plans --slice --output --trace $build" ;;
-        bench) options="--resolution --rounds --only --csv $build" ;;
+        bench) options="--resolution --rounds --frames --only --csv $build" ;;
         esac
         mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
         return
