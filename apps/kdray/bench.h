@@ -42,7 +42,10 @@ typedef struct kdr_bench_rays {
 
 typedef struct kdr_bench_scene {
     char name[KDR_BENCH_SCENE_SIZE];
-    const kdr_mesh *mesh;
+    kdr_mesh *mesh;           /* what is shown now */
+    kdr_animation *animation; /* where the mesh of another frame comes from; NULL: it stands still */
+    double frame_seconds;     /* from one frame to the next */
+    float bounds[6];          /* of all that is shown: {min x, y, z, max x, y, z} */
     kdr_camera camera;
     float light[3];
     uint32_t width, height;
@@ -94,6 +97,9 @@ typedef struct kdr_bench_tracer {
 struct kdr_bench_engine {
     const char *name; /* "kdray", "embree/low" */
     kdr_bench_tracer tracers[KDR_BENCH_ENGINE_TRACERS];
+    /* Takes over the arrays of the scene's mesh, which may be others than before. Not timed. False after a sentence to
+     * the logger. */
+    bool (*show)(kdr_bench_engine *engine, const kdr_mesh *mesh);
     /* Builds from scratch, as for a frame in which everything moved. False after a sentence to the logger. */
     bool (*build)(kdr_bench_engine *engine);
     /* Bytes of what the last build made. */
@@ -126,6 +132,7 @@ bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *name, const
 
 typedef struct kdr_bench_options {
     uint32_t rounds;
+    uint32_t frames; /* of what moves, each built and traced anew; 0: the mesh as it is, and all kinds of rays */
     const char *only[KDR_BENCH_ONLY_LIMIT]; /* beginnings of tracers' names */
     uint32_t only_count;                    /* 0: every tracer */
     kdr_build_def build;
@@ -145,7 +152,7 @@ typedef struct kdr_bench_row {
     double build_ms;               /* again, in memory that is warm */
     double build_cold_ms;          /* the first */
     double speed[KDR_BENCH_KINDS]; /* million rays a second; 0: there were no rays of this kind */
-    double image_ms;               /* build, primary and shadow rays */
+    double image_ms;               /* build, primary and shadow rays; of a frame in the mean */
     double bytes_per_triangle;     /* 0: there are no triangles */
     uint64_t hits[KDR_BENCH_KINDS];
 } kdr_bench_row;
@@ -155,7 +162,7 @@ typedef struct kdr_bench_row {
 
 /* Measures every tracer that is asked for and there; *row_count gets the number of rows. False after a sentence to the
  * logger. with_embree false: leaves Embree alone. */
-bool kdr_bench_measure(const kdr_bench_scene *scene, const kdr_bench_options *options, bool with_embree,
+bool kdr_bench_measure(kdr_bench_scene *scene, const kdr_bench_options *options, bool with_embree,
                        const kdr_logger *logger, kdr_progress *progress, kdr_bench_row rows[KDR_BENCH_ROW_LIMIT],
                        uint32_t *row_count);
 
@@ -167,6 +174,7 @@ double kdr_bench_median(double *values, uint32_t count);
 /* What a report says of the run as a whole. */
 typedef struct kdr_bench_run_info {
     uint32_t width, height, rounds, threads;
+    uint32_t frames; /* 0: meshes stood still */
     kdr_isa isa;
     kdr_build_def build;
     const char *embree; /* its version; NULL: none */

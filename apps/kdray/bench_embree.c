@@ -98,8 +98,9 @@ typedef struct embree_state {
     RTCScene scene;
     RTCGeometry geometry;
     float *vertices; /* the mesh's, with room behind the last for loads of 16 bytes */
-    int64_t bytes;   /* taken by all builds less what they gave back */
-    uint32_t width;  /* rays in a packet: 4, 8 or 16 */
+    size_t vertex_count;
+    int64_t bytes;  /* taken by all builds less what they gave back */
+    uint32_t width; /* rays in a packet: 4, 8 or 16 */
 } embree_state;
 
 static embree_state *state_of(const kdr_bench_engine *engine) { return engine->state; }
@@ -280,6 +281,25 @@ static void trace_packet(const kdr_bench_engine *engine, const kdr_bench_rays *r
 
 /* ---- building */
 
+/* Embree reads vertices by 16 bytes, so it gets a copy with room behind the last. */
+static bool show(kdr_bench_engine *engine, const kdr_mesh *mesh) {
+    embree_state *state = state_of(engine);
+    size_t count = 3 * mesh->vertex_count;
+    if (!state->vertices || mesh->vertex_count != state->vertex_count) {
+        kdr_memory_release(state->vertices);
+        state->vertices = kdr_memory_get(count + 4, sizeof *state->vertices);
+        state->vertex_count = mesh->vertex_count;
+    }
+    if (count)
+        memcpy(state->vertices, mesh->positions, count * sizeof *state->vertices);
+    memset(state->vertices + count, 0, 4 * sizeof *state->vertices);
+    embree.rtcSetSharedGeometryBuffer(state->geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, state->vertices, 0,
+                                      3 * sizeof(float), mesh->vertex_count);
+    embree.rtcSetSharedGeometryBuffer(state->geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->indices, 0,
+                                      3 * sizeof(uint32_t), mesh->triangle_count);
+    return succeeded(engine);
+}
+
 static bool build(kdr_bench_engine *engine) {
     embree_state *state = state_of(engine);
     int64_t held = atomic_load(&held_bytes);
@@ -319,18 +339,6 @@ static RTCDevice new_device(const kdr_bench_scene *scene) {
     return embree.rtcNewDevice(config);
 }
 
-static void share_triangles(embree_state *state, const kdr_mesh *mesh) {
-    size_t count = 3 * mesh->vertex_count;
-    state->vertices = kdr_memory_get(count + 4, sizeof *state->vertices);
-    if (count)
-        memcpy(state->vertices, mesh->positions, count * sizeof *state->vertices);
-    memset(state->vertices + count, 0, 4 * sizeof *state->vertices);
-    embree.rtcSetSharedGeometryBuffer(state->geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, state->vertices, 0,
-                                      3 * sizeof(float), mesh->vertex_count);
-    embree.rtcSetSharedGeometryBuffer(state->geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->indices, 0,
-                                      3 * sizeof(uint32_t), mesh->triangle_count);
-}
-
 bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *name, const kdr_logger *logger,
                            kdr_bench_engine *out) {
     embree_state *state = kdr_memory_get(1, sizeof *state);
@@ -338,6 +346,7 @@ bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *name, const
     *out = (kdr_bench_engine){.name = name,
                               .tracers = {{"packet", fill_packet, trace_packet, count_packet},
                                           {"single", fill_single, trace_single, count_single}},
+                              .show = show,
                               .build = build,
                               .bytes = bytes,
                               .close = close_engine,
@@ -365,9 +374,8 @@ bool kdr_bench_embree_open(const kdr_bench_scene *scene, const char *name, const
     state->geometry = embree.rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     embree.rtcSetSceneBuildQuality(state->scene, level);
     embree.rtcSetGeometryBuildQuality(state->geometry, level);
-    share_triangles(state, scene->mesh);
     embree.rtcAttachGeometry(state->scene, state->geometry);
-    if (succeeded(out))
+    if (show(out, scene->mesh))
         return true;
     close_engine(out);
     return false;

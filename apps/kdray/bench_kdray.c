@@ -61,6 +61,20 @@ static uint64_t count_hits(const kdr_bench_engine *engine, const kdr_bench_rays 
     return hits;
 }
 
+static kdr_triangles_def triangles_of(const kdr_mesh *mesh) {
+    kdr_triangles_def triangles = kdr_default_triangles_def();
+    triangles.vertices = mesh->positions;
+    triangles.vertex_count = mesh->vertex_count;
+    triangles.indices = mesh->indices;
+    triangles.triangle_count = mesh->triangle_count;
+    return triangles;
+}
+
+static bool show(kdr_bench_engine *engine, const kdr_mesh *mesh) {
+    kdr_triangles_def triangles = triangles_of(mesh);
+    return kdr_scene_set_triangles(state_of(engine)->scene, 0, &triangles) == KDR_OK;
+}
+
 static bool build(kdr_bench_engine *engine) {
     const kdray_state *state = state_of(engine);
     return kdr_scene_touch(state->scene, 0) == KDR_OK && kdr_scene_commit(state->scene, &state->build) == KDR_OK;
@@ -88,17 +102,14 @@ bool kdr_bench_kdray_open(const kdr_bench_scene *scene, const kdr_build_def *def
     *out = (kdr_bench_engine){
         .name = "kdray",
         .tracers = {{"stream", fill, trace_stream, count_hits}, {"single", fill, trace_single, count_hits}},
+        .show = show,
         .build = build,
         .bytes = bytes,
         .close = close_engine,
         .state = state,
         .logger = logger};
 
-    kdr_triangles_def triangles = kdr_default_triangles_def();
-    triangles.vertices = scene->mesh->positions;
-    triangles.vertex_count = scene->mesh->vertex_count;
-    triangles.indices = scene->mesh->indices;
-    triangles.triangle_count = scene->mesh->triangle_count;
+    kdr_triangles_def triangles = triangles_of(scene->mesh);
     if (kdr_scene_create(scene->device, &state->scene) == KDR_OK &&
         kdr_scene_add_triangles(state->scene, &triangles, NULL) == KDR_OK)
         return true;

@@ -2,7 +2,10 @@
  *
  * A round rebuilds each engine and sends all kinds of rays through each tracer, so that whatever slows the machine for
  * a while slows all of them; every other round goes backwards, so that none always follows the same neighbour. A figure
- * is the median over the rounds. Only calls of a tracer are timed: laying out rays and counting hits are not. */
+ * is the median over the rounds. Only calls of a tracer are timed: laying out rays and counting hits are not.
+ *
+ * Of what moves, a round does so for every frame, with the rays of that frame; a figure is then the mean over the
+ * frames of their medians, and speeds are those of all frames' rays together. */
 #include "bench.h"
 #include "memory.h"
 
@@ -11,8 +14,9 @@
 #define ENGINE_LIMIT (KDR_BENCH_ROW_LIMIT / KDR_BENCH_ENGINE_TRACERS)
 
 typedef struct measuring {
-    const kdr_bench_scene *scene;
+    kdr_bench_scene *scene;
     const kdr_bench_options *options;
+    uint32_t frames, kinds;                 /* at least 1 frame; the first so many kinds of rays */
     kdr_bench_engine engines[ENGINE_LIMIT]; /* kdray's is the first */
     uint32_t engine_count;
     bool timed[ENGINE_LIMIT]; /* some tracer of the engine is asked for */
@@ -22,8 +26,11 @@ typedef struct measuring {
     uint32_t row_count;
     kdr_bench_workload workload;
     kdr_bench_sheet sheet;
-    double *build_seconds; /* [engine][round] */
-    double *trace_seconds; /* [row][kind][round] */
+    size_t sheet_room;     /* rays */
+    size_t *ray_counts;    /* [frame][kind] */
+    double *build_seconds; /* [engine][frame][round] */
+    double *trace_seconds; /* [row][kind][frame][round] */
+    const kdr_logger *logger;
     kdr_progress *progress;
     uint64_t finished, total;
 } measuring;
@@ -118,14 +125,20 @@ static bool open_engines(measuring *m, bool with_embree, const kdr_logger *logge
 
 /* ---- one step: build, or trace one kind of rays */
 
-static bool time_build(measuring *m, uint32_t number, uint32_t round) {
-    if (!m->timed[number])
+/* Where the seconds of a round and a frame are, of series `number`. */
+static size_t place(const measuring *m, size_t number, uint32_t frame, uint32_t round) {
+    return (number * m->frames + frame) * m->options->rounds + round;
+}
+
+static bool time_build(measuring *m, uint32_t number, uint32_t frame, uint32_t round) {
+    bool wanted = m->timed[number] || (number == 0 && m->scene->animation); /* kdray's says where rays begin */
+    if (!wanted)
         return true;
     kdr_bench_engine *engine = &m->engines[number];
     double begin = kdr_seconds();
     if (!engine->build(engine))
         return false;
-    m->build_seconds[number * m->options->rounds + round] = kdr_seconds() - begin;
+    m->build_seconds[place(m, number, frame, round)] = kdr_seconds() - begin;
     finish_step(m);
     return true;
 }
@@ -147,68 +160,117 @@ static void trace_block(void *context, size_t begin, size_t end) {
     call->tracer->trace(call->engine, call->rays, begin, end, call->sheet);
 }
 
-static void time_trace(measuring *m, uint32_t row, kdr_bench_kind kind, uint32_t round) {
+static void time_trace(measuring *m, uint32_t row, kdr_bench_kind kind, uint32_t frame, uint32_t round) {
     trace_call call = {&m->engines[m->row_engine[row]], m->row_tracer[row], &m->workload.kinds[kind], &m->sheet};
     size_t count = call.rays->count;
     kdr_bench_run(m->scene, count, fill_block, &call);
     double begin = kdr_seconds();
     kdr_bench_run(m->scene, count, trace_block, &call);
-    m->trace_seconds[(row * KDR_BENCH_KINDS + kind) * m->options->rounds + round] = kdr_seconds() - begin;
+    m->trace_seconds[place(m, row * KDR_BENCH_KINDS + kind, frame, round)] = kdr_seconds() - begin;
+    m->ray_counts[frame * KDR_BENCH_KINDS + kind] = count;
     if (round == 0)
-        m->rows[row].hits[kind] = call.tracer->count(call.engine, call.rays, 0, count, call.sheet);
+        m->rows[row].hits[kind] += call.tracer->count(call.engine, call.rays, 0, count, call.sheet);
     finish_step(m);
 }
 
 /* The i-th of `count` in the order of a round. */
 static uint32_t turn(uint32_t i, uint32_t count, uint32_t round) { return round % 2 ? count - 1 - i : i; }
 
-static bool run_round(measuring *m, uint32_t round) {
+/* Room for the rays of all kinds in a tracer's layout; what was there is lost when it grows. */
+static void make_sheet(measuring *m) {
+    size_t longest = 0;
+    for (uint32_t kind = 0; kind < m->kinds; kind++)
+        longest = m->workload.kinds[kind].count > longest ? m->workload.kinds[kind].count : longest;
+    size_t room = (longest / KDR_BENCH_BLOCK + 1) * KDR_BENCH_BLOCK;
+    if (room <= m->sheet_room)
+        return;
+    kdr_memory_release(m->sheet.rays);
+    kdr_memory_release(m->sheet.occluded);
+    m->sheet.rays = kdr_memory_get(room, KDR_BENCH_SHEET_BYTES);
+    m->sheet.occluded = kdr_memory_get(room, 1);
+    m->sheet_room = room;
+}
+
+/* Puts the mesh of a frame in the place of the one before, for every engine. */
+static bool show_frame(measuring *m, uint32_t frame) {
+    if (!m->scene->animation)
+        return true;
+    if (kdr_animation_sample(m->scene->animation, frame * m->scene->frame_seconds, m->logger, &m->scene->mesh) !=
+        KDR_OK)
+        return false;
     for (uint32_t i = 0; i < m->engine_count; i++)
-        if (!time_build(m, turn(i, m->engine_count, round), round))
+        if (!m->engines[i].show(&m->engines[i], m->scene->mesh))
             return false;
-    for (int kind = 0; kind < KDR_BENCH_KINDS; kind++)
+    return true;
+}
+
+static bool run_frame(measuring *m, uint32_t frame, uint32_t round) {
+    if (!show_frame(m, frame))
+        return false;
+    for (uint32_t i = 0; i < m->engine_count; i++)
+        if (!time_build(m, turn(i, m->engine_count, round + frame), frame, round))
+            return false;
+    if (m->scene->animation) {
+        kdr_bench_workload_release(&m->workload);
+        if (!kdr_bench_workload_make(m->scene, kdr_bench_kdray_scene(&m->engines[0]), m->logger, &m->workload))
+            return false;
+        make_sheet(m);
+    }
+    for (uint32_t kind = 0; kind < m->kinds; kind++)
         for (uint32_t i = 0; i < m->row_count; i++)
-            time_trace(m, turn(i, m->row_count, round), (kdr_bench_kind)kind, round);
+            time_trace(m, turn(i, m->row_count, round + frame), (kdr_bench_kind)kind, frame, round);
     return true;
 }
 
 /* ---- the whole */
 
 static void make_room(measuring *m) {
-    size_t longest = 0;
-    for (int kind = 0; kind < KDR_BENCH_KINDS; kind++)
-        longest = m->workload.kinds[kind].count > longest ? m->workload.kinds[kind].count : longest;
-    size_t room = (longest / KDR_BENCH_BLOCK + 1) * KDR_BENCH_BLOCK;
-    m->sheet.rays = kdr_memory_get(room, KDR_BENCH_SHEET_BYTES);
-    m->sheet.occluded = kdr_memory_get(room, 1);
-    m->build_seconds = kdr_memory_get(m->options->rounds, ENGINE_LIMIT * sizeof(double));
-    m->trace_seconds = kdr_memory_get(m->options->rounds, KDR_BENCH_ROW_LIMIT * KDR_BENCH_KINDS * sizeof(double));
+    size_t samples = (size_t)m->frames * m->options->rounds;
+    make_sheet(m);
+    m->ray_counts = kdr_memory_get(m->frames, KDR_BENCH_KINDS * sizeof(size_t));
+    m->build_seconds = kdr_memory_get(samples, ENGINE_LIMIT * sizeof(double));
+    m->trace_seconds = kdr_memory_get(samples, KDR_BENCH_ROW_LIMIT * KDR_BENCH_KINDS * sizeof(double));
+}
+
+/* The sum over the frames of the medians over the rounds, of series `number`. */
+static double sum_of(const measuring *m, double *seconds, size_t number) {
+    double sum = 0;
+    for (uint32_t frame = 0; frame < m->frames; frame++)
+        sum += kdr_bench_median(seconds + place(m, number, frame, 0), m->options->rounds);
+    return sum;
 }
 
 static void take_medians(measuring *m) {
-    uint32_t rounds = m->options->rounds;
     double build[ENGINE_LIMIT] = {0};
     for (uint32_t i = 0; i < m->engine_count; i++)
         if (m->timed[i])
-            build[i] = kdr_bench_median(m->build_seconds + i * rounds, rounds);
+            build[i] = sum_of(m, m->build_seconds, i);
     for (uint32_t i = 0; i < m->row_count; i++) {
         kdr_bench_row *row = &m->rows[i];
-        double trace[KDR_BENCH_KINDS];
-        for (int kind = 0; kind < KDR_BENCH_KINDS; kind++) {
-            size_t count = m->workload.kinds[kind].count;
-            trace[kind] = kdr_bench_median(m->trace_seconds + (i * KDR_BENCH_KINDS + (uint32_t)kind) * rounds, rounds);
+        double trace[KDR_BENCH_KINDS] = {0};
+        for (uint32_t kind = 0; kind < m->kinds; kind++) {
+            size_t count = 0;
+            for (uint32_t frame = 0; frame < m->frames; frame++)
+                count += m->ray_counts[frame * KDR_BENCH_KINDS + kind];
+            trace[kind] = sum_of(m, m->trace_seconds, i * KDR_BENCH_KINDS + kind);
             row->speed[kind] = count > 0 ? (double)count / trace[kind] * 1e-6 : 0;
         }
-        row->build_ms = build[m->row_engine[i]] * 1e3;
-        row->image_ms = row->build_ms + (trace[KDR_BENCH_PRIMARY] + trace[KDR_BENCH_SHADOW]) * 1e3;
+        row->build_ms = build[m->row_engine[i]] / m->frames * 1e3;
+        row->image_ms = row->build_ms + (trace[KDR_BENCH_PRIMARY] + trace[KDR_BENCH_SHADOW]) / m->frames * 1e3;
     }
 }
 
-bool kdr_bench_measure(const kdr_bench_scene *scene, const kdr_bench_options *options, bool with_embree,
+bool kdr_bench_measure(kdr_bench_scene *scene, const kdr_bench_options *options, bool with_embree,
                        const kdr_logger *logger, kdr_progress *progress, kdr_bench_row rows[KDR_BENCH_ROW_LIMIT],
                        uint32_t *row_count) {
     measuring *m = kdr_memory_get(1, sizeof *m);
-    *m = (measuring){.scene = scene, .options = options, .rows = rows, .progress = progress};
+    *m = (measuring){.scene = scene,
+                     .options = options,
+                     .frames = scene->animation ? options->frames : 1,
+                     .kinds = scene->animation ? KDR_BENCH_AO : KDR_BENCH_KINDS,
+                     .rows = rows,
+                     .logger = logger,
+                     .progress = progress};
     kdr_progress_step(progress, "building");
     bool good = open_engines(m, with_embree, logger);
     if (good) {
@@ -216,9 +278,11 @@ bool kdr_bench_measure(const kdr_bench_scene *scene, const kdr_bench_options *op
         uint32_t timed = 0;
         for (uint32_t i = 0; i < m->engine_count; i++)
             timed += m->timed[i];
-        m->total = m->finished + (uint64_t)options->rounds * (timed + m->row_count * KDR_BENCH_KINDS);
+        timed += scene->animation && !m->timed[0];
+        m->total = m->finished + (uint64_t)options->rounds * m->frames * (timed + m->row_count * m->kinds);
         for (uint32_t round = 0; good && round < options->rounds; round++)
-            good = run_round(m, round);
+            for (uint32_t frame = 0; good && frame < m->frames; frame++)
+                good = run_frame(m, frame, round);
         if (good)
             take_medians(m);
     }
@@ -229,6 +293,7 @@ bool kdr_bench_measure(const kdr_bench_scene *scene, const kdr_bench_options *op
     kdr_bench_workload_release(&m->workload);
     kdr_memory_release(m->sheet.rays);
     kdr_memory_release(m->sheet.occluded);
+    kdr_memory_release(m->ray_counts);
     kdr_memory_release(m->build_seconds);
     kdr_memory_release(m->trace_seconds);
     kdr_memory_release(m);

@@ -166,6 +166,8 @@ void kdr_bench_write_csv(FILE *out, const kdr_bench_run_info *info, const kdr_be
         strftime(date, sizeof date, "%Y-%m-%d", &parts);
     fprintf(out, "# kdray bench: %" PRIu32 "x%" PRIu32 " pixels, %" PRIu32 " threads, medians of %" PRIu32 " rounds\n",
             info->width, info->height, info->threads, info->rounds);
+    if (info->frames > 0)
+        fprintf(out, "# frames: %" PRIu32 "; times are of a frame in the mean, counts of all\n", info->frames);
     write_machine(out);
     fprintf(out, "# instruction set: %s\n# kdray: %s\n# Embree: %s\n", kdr_isa_name(info->isa), kdr_version(),
             info->embree ? info->embree : "none");

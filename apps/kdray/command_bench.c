@@ -10,16 +10,20 @@
 #include "tree_options.h"
 
 #include <glob.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #define ROUND_LIMIT 1000u
 #define SIDE_LIMIT 16384u
+#define FRAME_LIMIT 10000u
 
 /* What is measured where neither files nor a folder are named: a small scene and one of medium size. */
 static const char *const default_scenes[] = {"builtin:knot:70000", "builtin:city:500000"};
-#define DEFAULT_SCENES (sizeof(default_scenes) / sizeof(default_scenes[0]))
+static const char *const default_moving_scenes[] = {"builtin:explode:202000", "builtin:twist:202000",
+                                                    "builtin:wave:202000"};
+#define SCENES(list) (sizeof(list) / sizeof(list[0]))
 
 typedef struct bench_request {
     kdr_bench_options bench; /* but for the constants of the build, which tree has */
@@ -33,11 +37,15 @@ typedef struct bench_request {
 
 /* ---- options */
 
-enum { ROUNDS = 0x100, ONLY, CSV, QUIET };
+enum { ROUNDS = 0x100, FRAMES, ONLY, CSV, QUIET };
 
 static const struct argp_option option_list[] = {
     {"resolution", 'r', "WxH", 0, "Pixels whose rays are traced (default: 1024x1024)", 1},
     {"rounds", ROUNDS, "N", 0, "How often everything is measured; medians count (default: 5)", 1},
+    {"frames", FRAMES, "N", 0,
+     "Measure N frames of what moves, each built and traced anew, primary and shadow rays: the first second of a "
+     "built-in scene, the whole of an animation or a sequence such as walk_####.ply",
+     1},
     {"only", ONLY, "TRACER", 0,
      "Measure tracers whose names begin so: kdray, embree, embree/medium, embree/low/packet, ...; repeatable", 1},
     {"csv", CSV, "FILE", 0, "Write every figure as comma separated values; - is stdout", 10},
@@ -49,7 +57,8 @@ static const char description[] =
     "Measure kdray, and Embree where it is installed, on the same rays in the same run.\v"
     "FILE is a mesh file, with a view of it in a .cam file beside it where there is one, or "
     "builtin:NAME[:TRIANGLES[:TIME]], a built-in scene. Without FILE: every .ply file of the folder KDRAY_SCENES, or "
-    "two built-in scenes. Speeds are in million rays a second; an image takes build, primary and shadow rays.\n\n"
+    "two built-in scenes; with --frames three that move. Speeds are in million rays a second; an image takes build, "
+    "primary and shadow rays.\n\n"
     "Environment: KDRAY_SCENES, a folder of meshes; KDRAY_EMBREE, the Embree library to load.\n\n"
     "Exit status: 0 done, 1 failed, 2 wrong usage.";
 
@@ -70,6 +79,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_INIT: state->child_inputs[0] = &request->tree; break;
     case 'r': kdr_option_size(state, "--resolution", text, SIDE_LIMIT, &request->width, &request->height); break;
     case ROUNDS: request->bench.rounds = (uint32_t)kdr_option_whole(state, "--rounds", text, 1, ROUND_LIMIT); break;
+    case FRAMES: request->bench.frames = (uint32_t)kdr_option_whole(state, "--frames", text, 1, FRAME_LIMIT); break;
     case ONLY: add_only(&request->bench, text, state); break;
     case CSV: request->csv = text; break;
     case QUIET: request->quiet = true; break;
@@ -113,11 +123,11 @@ static void add_rows(bench_run *run, const kdr_bench_row *rows, uint32_t count) 
     run->count += count;
 }
 
-static bool measure_mesh(bench_run *run, const char *path, const kdr_mesh *mesh) {
+static bool measure_scene(bench_run *run, const char *path, kdr_bench_scene *of) {
     const bench_request *request = run->request;
-    kdr_bench_scene scene = {.mesh = mesh, .width = request->width, .height = request->height};
+    kdr_bench_scene scene = *of;
     kdr_scene_name(path, scene.name);
-    if (mesh->triangle_count == 0) {
+    if (scene.mesh->triangle_count == 0) {
         kdr_messages_fail(run->messages, "%s: there are no triangles to measure", path);
         return false;
     }
@@ -134,13 +144,18 @@ static bool measure_mesh(bench_run *run, const char *path, const kdr_mesh *mesh)
     bool done = kdr_bench_measure(&scene, &request->bench, run->info.embree, &run->logger, run->progress, rows, &count);
     kdr_progress_clear(run->progress);
     kdr_device_destroy(scene.device);
+    of->mesh = scene.mesh;
     if (!done) {
         kdr_messages_fail(run->messages, "%s: the measurement failed", path);
         return false;
     }
     if (!run->silent) {
-        printf("%s: %zu triangle%s, %ux%u pixels, %u thread%s, %s, medians of %u round%s\n\n", scene.name,
-               mesh->triangle_count, mesh->triangle_count == 1 ? "" : "s", scene.width, scene.height, run->info.threads,
+        size_t triangles = scene.mesh->triangle_count;
+        uint32_t frames = request->bench.frames;
+        printf("%s: %zu triangle%s, ", scene.name, triangles, triangles == 1 ? "" : "s");
+        if (frames > 0)
+            printf("%u frame%s, ", frames, frames == 1 ? "" : "s");
+        printf("%ux%u pixels, %u thread%s, %s, medians of %u round%s\n\n", scene.width, scene.height, run->info.threads,
                run->info.threads == 1 ? "" : "s", kdr_isa_name(run->info.isa), request->bench.rounds,
                request->bench.rounds == 1 ? "" : "s");
         kdr_bench_print(stdout, rows, count);
@@ -150,18 +165,50 @@ static bool measure_mesh(bench_run *run, const char *path, const kdr_mesh *mesh)
     return true;
 }
 
+#define SEQUENCE_RATE 25.0  /* files a second; only how far frames lie apart, not what they are, depends on it */
+#define ENDLESS_SECONDS 1.0 /* of what never ends */
+
+/* The mesh, or the first frame of what moves. */
+static kdr_status load(bench_run *run, const char *path, kdr_bench_scene *scene) {
+    uint32_t frames = run->request->bench.frames;
+    if (frames == 0) {
+        kdr_status read = kdr_mesh_read(path, &run->logger, &scene->mesh);
+        if (read == KDR_OK)
+            kdr_mesh_bounds(scene->mesh, scene->bounds);
+        return read;
+    }
+    kdr_status status = kdr_animation_open(path, SEQUENCE_RATE, &run->logger, &scene->animation);
+    if (status != KDR_OK)
+        return status;
+    double duration = kdr_animation_duration(scene->animation);
+    scene->frame_seconds = (isfinite(duration) ? duration : ENDLESS_SECONDS) / frames;
+
+    /* All frames are looked at from one place. */
+    for (uint32_t i = frames; i > 0 && status == KDR_OK; i--) {
+        float bounds[6];
+        status = kdr_animation_sample(scene->animation, (i - 1) * scene->frame_seconds, &run->logger, &scene->mesh);
+        if (status != KDR_OK)
+            break;
+        kdr_mesh_bounds(scene->mesh, bounds);
+        for (int k = 0; k < 3; k++) {
+            scene->bounds[k] = i == frames ? bounds[k] : fminf(scene->bounds[k], bounds[k]);
+            scene->bounds[k + 3] = i == frames ? bounds[k + 3] : fmaxf(scene->bounds[k + 3], bounds[k + 3]);
+        }
+    }
+    return status;
+}
+
 static bool measure_file(bench_run *run, const char *path) {
     run->messages->failed = false; /* each scene may tell what is wrong with it */
     *run->progress = kdr_progress_make(run->request->quiet);
     kdr_progress_step(run->progress, "loading");
-    kdr_mesh *mesh;
-    kdr_status status = kdr_mesh_read(path, &run->logger, &mesh);
-    if (status != KDR_OK) {
+    kdr_bench_scene scene = {.width = run->request->width, .height = run->request->height};
+    kdr_status status = load(run, path, &scene);
+    bool done = status == KDR_OK && measure_scene(run, path, &scene);
+    if (status != KDR_OK)
         kdr_messages_fail_status(run->messages, path, status);
-        return false;
-    }
-    bool done = measure_mesh(run, path, mesh);
-    kdr_mesh_destroy(mesh);
+    kdr_mesh_destroy(scene.mesh);
+    kdr_animation_destroy(scene.animation);
     return done;
 }
 
@@ -195,8 +242,10 @@ static bool measure_all(bench_run *run) {
     if (request->file_count)
         return measure_list(run, (const char *const *)request->files, request->file_count);
     const char *folder = getenv("KDRAY_SCENES");
+    if (request->bench.frames > 0)
+        return measure_list(run, default_moving_scenes, SCENES(default_moving_scenes));
     if (!folder || !*folder)
-        return measure_list(run, default_scenes, DEFAULT_SCENES);
+        return measure_list(run, default_scenes, SCENES(default_scenes));
 
     glob_t found;
     char *pattern = pattern_of(folder);
@@ -282,6 +331,7 @@ int kdr_command_bench(int argc, char **argv) {
                      .info = {.width = request.width,
                               .height = request.height,
                               .rounds = request.bench.rounds,
+                              .frames = request.bench.frames,
                               .build = request.bench.build},
                      .silent = request.quiet || is_stdout(request.tree.json) || is_stdout(request.csv)};
     bool done = prepare(&run) && measure_all(&run);

@@ -22,10 +22,8 @@ void kdr_scene_name(const char *path, char name[KDR_BENCH_SCENE_SIZE]) {
 }
 
 bool kdr_scene_view(const char *path, kdr_bench_scene *scene, kdr_messages *messages, const kdr_logger *logger) {
-    float bounds[6];
-    kdr_mesh_bounds(scene->mesh, bounds);
-    scene->camera = kdr_camera_for_bounds(bounds);
-    kdr_light_for_bounds(bounds, scene->light);
+    scene->camera = kdr_camera_for_bounds(scene->bounds);
+    kdr_light_for_bounds(scene->bounds, scene->light);
     if (is_builtin(path))
         return true;
 

@@ -14,13 +14,14 @@
 
 #define ARENA_CHUNK ((size_t)1 << 20)
 
-static void init_arenas(kdr_build_worker *worker, kdr_alloc *alloc) {
+static void init_worker(kdr_build_worker *worker, kdr_alloc *alloc) {
     kdr_arena_init(&worker->arena, alloc, ARENA_CHUNK);
     for (int i = 0; i < 2; i++)
         kdr_arena_init(&worker->levels[i], alloc, ARENA_CHUNK);
 }
 
-static void destroy_arenas(kdr_build_worker *worker) {
+static void empty_worker(kdr_build_worker *worker, kdr_alloc *alloc) {
+    kdr_buffer_release(alloc, &worker->sorting);
     kdr_arena_destroy(&worker->arena);
     for (int i = 0; i < 2; i++)
         kdr_arena_destroy(&worker->levels[i]);
@@ -44,7 +45,7 @@ kdr_workshop *kdr_workshop_create(kdr_alloc *alloc, kdr_bulk *bulk, uint32_t wor
                                (KDR_NODE_MAX_INDEX + 1) / KDR_IDS_PER_CHUNK);
     for (uint32_t i = 0; shop->workers && i < worker_count; i++) {
         shop->workers[i] = (kdr_build_worker){0};
-        init_arenas(&shop->workers[i], alloc);
+        init_worker(&shop->workers[i], alloc);
     }
     if (!shop->workers || !pairs || !ids) {
         kdr_workshop_destroy(shop);
@@ -58,7 +59,7 @@ void kdr_workshop_destroy(kdr_workshop *shop) {
         return;
     kdr_alloc *alloc = shop->alloc;
     for (uint32_t i = 0; shop->workers && i < shop->worker_count; i++)
-        destroy_arenas(&shop->workers[i]);
+        empty_worker(&shop->workers[i], alloc);
     kdr_alloc_release(alloc, shop->workers, shop->worker_count * sizeof *shop->workers);
     kdr_chunks_release(&shop->pairs, alloc);
     kdr_chunks_release(&shop->ids, alloc);
@@ -70,8 +71,8 @@ _Static_assert(sizeof(kdr_build_task) == KDR_TASK_BYTES, "the pool copies whole 
 
 void kdr_workshop_trim(kdr_workshop *shop) {
     for (uint32_t i = 0; i < shop->worker_count; i++) {
-        destroy_arenas(&shop->workers[i]);
-        init_arenas(&shop->workers[i], shop->alloc);
+        empty_worker(&shop->workers[i], shop->alloc);
+        init_worker(&shop->workers[i], shop->alloc);
     }
     kdr_chunks_trim(&shop->pairs, shop->alloc);
     kdr_chunks_trim(&shop->ids, shop->alloc);

@@ -96,7 +96,7 @@ static bool make_events(kdr_build_state *state, bool parallel, const kdr_referen
     return true;
 }
 
-bool kdr_events_prepare(kdr_build_state *state, bool parallel, kdr_build_task *task) {
+bool kdr_events_prepare(kdr_build_state *state, kdr_build_worker *worker, bool parallel, kdr_build_task *task) {
     kdr_bulk *bulk = state->shop->bulk;
     uint32_t count = task->references.count;
     size_t bytes = kdr_references_bytes(count), size = bytes + kdr_events_bytes(count);
@@ -113,10 +113,7 @@ bool kdr_events_prepare(kdr_build_state *state, bool parallel, kdr_build_task *t
         widen(&references);
 
     kdr_events *events = kdr_events_in(memory + bytes, count);
-    kdr_buffer scratch = {0};
-    bool made = make_events(state, parallel, &references, events, &scratch);
-    kdr_buffer_release(state->shop->alloc, &scratch);
-    if (!made) {
+    if (!make_events(state, parallel, &references, events, &worker->sorting)) {
         kdr_bulk_put(bulk, memory, size);
         return false;
     }

@@ -43,7 +43,7 @@ kdr_events *kdr_events_in(void *memory, uint32_t references);
 
 /* Gives a task that has no events new memory with its references and their sorted events. Where the plan has two
  * events, boxes without extent are widened first. False when there is no memory. */
-bool kdr_events_prepare(kdr_build_state *state, bool parallel, kdr_build_task *task);
+bool kdr_events_prepare(kdr_build_state *state, kdr_build_worker *worker, bool parallel, kdr_build_task *task);
 
 /* Hands a node's events down to its children, whose references are divided. */
 bool kdr_events_divide(kdr_opening *opening, const kdr_split *split, kdr_build_task children[2]);

@@ -64,7 +64,7 @@ kdr_opened kdr_expand(kdr_build_state *state, kdr_build_worker *worker, bool par
     }
     if (count > KDR_SHARED_LIMIT)
         kdr_build_report_opening(state);
-    if (splitter->prepare && !task->events && !splitter->prepare(state, parallel, task)) {
+    if (splitter->prepare && !task->events && !splitter->prepare(state, worker, parallel, task)) {
         kdr_build_fail(state, KDR_ERROR_OUT_OF_MEMORY);
         return KDR_OPENED_FAILED;
     }

@@ -19,7 +19,7 @@ typedef struct kdr_splitter {
      * prepare gives the task new memory of the bulk's, and puts back the old. divide may leave out references of
      * children that turn out not to meet their cells, and narrow boxes. False when there is no memory. */
     size_t (*event_bytes)(uint32_t count);
-    bool (*prepare)(kdr_build_state *state, bool parallel, kdr_build_task *task);
+    bool (*prepare)(kdr_build_state *state, kdr_build_worker *worker, bool parallel, kdr_build_task *task);
     bool (*divide)(kdr_opening *opening, const kdr_split *split, kdr_build_task children[2]);
 
     /* Looks at a node's references before planes are asked for; may be NULL. */

@@ -18,6 +18,7 @@
 /* What a worker has for itself. Aligned so that no two share a cache line. */
 typedef struct kdr_build_worker {
     _Alignas(128) kdr_arena arena;
+    kdr_buffer sorting;              /* scratch of a sort of events */
     kdr_arena levels[2];             /* references of this level and of the next, breadth first */
     uint32_t pair, pair_end;         /* pairs of the chunk it is filling */
     uint32_t id, id_end;             /* the same for leaf ids */

@@ -166,12 +166,16 @@ static void occluded_packet(const kdr_committed *seen, const kdr_traversals *tra
                             uint32_t count, bool together, uint8_t *occluded) {
     kdr_packet_rays rays;
     gather(&rays, from, sizeof *from, count, together);
-    uint64_t all = rays.valid, found = traversals->packet_any(&seen->dynamic_part->tree, &rays);
-    rays.valid = all & ~found;
-    if (seen->static_part && rays.valid)
-        found |= traversals->packet_any(&seen->static_part->tree, &rays);
+    uint64_t found = traversals->packet_any(&seen->dynamic_part->tree, &rays);
+    if (has_more(seen) && seen->static_part) {
+        rays.valid &= ~found;
+        found |= rays.valid ? traversals->packet_any(&seen->static_part->tree, &rays) : 0;
+    }
     for (uint32_t i = 0; i < count; i++)
-        occluded[i] = (found >> i & 1) || (seen->customs && kdr_customs_any(seen->customs, &from[i]));
+        occluded[i] = found >> i & 1;
+    if (has_more(seen) && seen->customs)
+        for (uint32_t i = 0; i < count; i++)
+            occluded[i] = occluded[i] || kdr_customs_any(seen->customs, &from[i]);
 }
 
 void kdr_intersect1(const kdr_scene *scene, kdr_ray_hit *ray_hit) {

@@ -104,13 +104,11 @@ static void compare_ray(const kdr_scene *scene, RTCScene other, const oracle_tre
     }
 }
 
-static void compare(const kdr_triangles_def *geometries, uint32_t geometry_count, uint64_t sequence,
-                    const char *label) {
+/* The scene has been committed with these geometries. */
+static void compare_scene(const kdr_scene *scene, const kdr_triangles_def *geometries, uint32_t geometry_count,
+                          uint64_t sequence, const char *label) {
     oracle_scene oracle = oracle_scene_create(geometries, geometry_count);
     oracle_tree tree = oracle_tree_create(&oracle);
-    kdr_device *device;
-    assert_int_equal(kdr_device_create(NULL, &device), KDR_OK);
-    kdr_scene *scene = committed_scene(device, geometries, geometry_count, NULL);
     RTCDevice other_device = rtcNewDevice("threads=1");
     assert_non_null(other_device);
     RTCScene other = rtcNewScene(other_device);
@@ -131,10 +129,18 @@ static void compare(const kdr_triangles_def *geometries, uint32_t geometry_count
 
     rtcReleaseScene(other);
     rtcReleaseDevice(other_device);
-    kdr_scene_destroy(scene);
-    kdr_device_destroy(device);
     oracle_tree_destroy(&tree);
     oracle_scene_destroy(&oracle);
+}
+
+static void compare(const kdr_triangles_def *geometries, uint32_t geometry_count, uint64_t sequence,
+                    const char *label) {
+    kdr_device *device;
+    assert_int_equal(kdr_device_create(NULL, &device), KDR_OK);
+    kdr_scene *scene = committed_scene(device, geometries, geometry_count, NULL);
+    compare_scene(scene, geometries, geometry_count, sequence, label);
+    kdr_scene_destroy(scene);
+    kdr_device_destroy(device);
 }
 
 static void compare_kind(const char *kind, size_t count, uint64_t sequence) {
@@ -164,10 +170,34 @@ static void where_embree_differs_on_closed_meshes_kdray_is_right(void **state) {
     compare_mesh(closed_mesh_blob(40), 6, "blob");
 }
 
+/* One scene, committed again for every frame: all triangles elsewhere, and sometimes other numbers of them. */
+static void where_embree_differs_on_frames_of_what_moves_kdray_is_right(void **state) {
+    (void)state;
+    kdr_device *device;
+    kdr_scene *scene;
+    assert_int_equal(kdr_device_create(NULL, &device), KDR_OK);
+    assert_int_equal(kdr_scene_create(device, &scene), KDR_OK);
+    kdr_triangles_def none = kdr_default_triangles_def();
+    for (uint32_t g = 0; g < SOUP_GEOMETRIES; g++)
+        assert_int_equal(kdr_scene_add_triangles(scene, &none, NULL), KDR_OK);
+    for (uint64_t frame = 0; frame < 6; frame++) {
+        test_random random = test_random_start(test_random_seed(), 10 + frame);
+        soup_scene soup = soup_scene_create_kind(&random, soup_kind_find("small"), 2000 + 700 * (frame / 2));
+        for (uint32_t g = 0; g < SOUP_GEOMETRIES; g++)
+            assert_int_equal(kdr_scene_set_triangles(scene, g, &soup.geometries[g]), KDR_OK);
+        assert_int_equal(kdr_scene_commit(scene, NULL), KDR_OK);
+        compare_scene(scene, soup.geometries, SOUP_GEOMETRIES, 10 + frame, "frame");
+        soup_scene_destroy(&soup);
+    }
+    kdr_scene_destroy(scene);
+    kdr_device_destroy(device);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(where_embree_differs_on_soups_kdray_is_right),
         cmocka_unit_test(where_embree_differs_on_closed_meshes_kdray_is_right),
+        cmocka_unit_test(where_embree_differs_on_frames_of_what_moves_kdray_is_right),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -54,7 +54,7 @@ _kdray() {
         animate) options="$picture --frames --fps --resume --video --csv $build" ;;
         view) options="--resolution --show --fps --paused --frames --screenshot $camera $build" ;;
         info) options="--scenes --plans --slice --output --trace $build" ;;
-        bench) options="--resolution --rounds --only --csv $build" ;;
+        bench) options="--resolution --rounds --frames --only --csv $build" ;;
         esac
         mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
         return

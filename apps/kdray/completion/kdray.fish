@@ -71,5 +71,6 @@ complete -c kdray -n '__fish_seen_subcommand_from info' -s o -l output -r -d 'wr
 set -l bench '__fish_seen_subcommand_from bench'
 complete -c kdray -n $bench -s r -l resolution -x -d 'pixels'
 complete -c kdray -n $bench -l rounds -x -d 'times that everything is measured'
+complete -c kdray -n $bench -l frames -x -d 'frames of what moves, each built and traced anew'
 complete -c kdray -n $bench -l only -x -d 'measure this tracer'
 complete -c kdray -n $bench -l csv -r -d 'write comma separated values'
