@@ -5,7 +5,7 @@ static bool follows(char byte) { return ((unsigned char)byte & 0xc0) == 0x80; }
 
 int kdr_text_dot(int width, int height) {
     int side = width * 3 < height * 4 ? width * 3 / 4 : height;
-    return side >= 1200 ? 3 : side >= 640 ? 2 : 1;
+    return side >= 1200 ? 3 : side >= 560 ? 2 : 1;
 }
 
 static void draw_letter(kdr_canvas *canvas, int x, int y, int dot, uint32_t colour, char letter) {

@@ -2,8 +2,9 @@
 
 #include <math.h>
 
-#define FRAME 0.033    /* seconds that a frame in motion may take */
-#define LEAST 0.012    /* of them for tracing, whatever came before */
+#define FRAME 0.033 /* seconds that a frame in motion may take */
+#define LEAST 0.012 /* of them for tracing, whatever came before */
+#define SHARE 0.5   /* of what came before, for tracing: a slow build does not make the picture as coarse as can be */
 #define RELUCTANCE 0.7 /* of the time that there is: what a finer picture must fit in */
 
 /* The scale that takes at most that time. */
@@ -16,7 +17,7 @@ static uint32_t fitting(const kdr_view_pace *pace, double pixels, double time) {
 
 kdr_view_pass kdr_view_pace_next(kdr_view_pace *pace, bool moved, double pixels, double spent, uint32_t enough) {
     if (moved) {
-        double time = fmax(FRAME - spent, LEAST);
+        double time = fmax(FRAME - spent, fmax(LEAST, SHARE * spent));
         uint32_t scale = fitting(pace, pixels, time);
         // A scale that changes with every frame flickers.
         if (pace->sample == 0 && pace->scale > scale) {
