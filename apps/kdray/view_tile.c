@@ -13,7 +13,11 @@
 
 static float dot(const float a[3], const float b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+/* By the largest number first, so that no square leaves the range of floats. */
 static void normalize(float v[3]) {
+    float largest = fmaxf(fabsf(v[0]), fmaxf(fabsf(v[1]), fabsf(v[2])));
+    for (int k = 0; k < 3; k++)
+        v[k] = largest > 0 ? v[k] / largest : 0;
     float size = sqrtf(dot(v, v));
     for (int k = 0; k < 3; k++)
         v[k] = size > 0 ? v[k] / size : 0;
@@ -66,6 +70,21 @@ static uint32_t make_rays(kdr_view_painter *painter, const kdr_camera_frame *fra
     return count;
 }
 
+/* Where the edges' product leaves the range of floats: the same of the edges' directions. */
+static void normal_of_triangle(const kdr_mesh *mesh, uint32_t triangle, float normal[3]) {
+    const uint32_t *corners = &mesh->indices[3 * (size_t)triangle];
+    float edges[2][3];
+    for (int e = 0; e < 2; e++) {
+        for (int k = 0; k < 3; k++)
+            edges[e][k] = mesh->positions[3 * (size_t)corners[e + 1] + (size_t)k] -
+                          mesh->positions[3 * (size_t)corners[0] + (size_t)k];
+        normalize(edges[e]);
+    }
+    for (int k = 0; k < 3; k++)
+        normal[k] = edges[0][(k + 1) % 3] * edges[1][(k + 2) % 3] - edges[0][(k + 2) % 3] * edges[1][(k + 1) % 3];
+    normalize(normal);
+}
+
 /* The normal at a hit, of the vertices where they have some, unit length; and the triangle's own, both towards the
  * camera. */
 static void find_normals(const kdr_mesh *mesh, const kdr_ray_hit *found, float flat[3], float smooth[3]) {
@@ -74,6 +93,8 @@ static void find_normals(const kdr_mesh *mesh, const kdr_ray_hit *found, float f
     const float way[3] = {ray->direction_x, ray->direction_y, ray->direction_z};
     flat[0] = hit->normal_x, flat[1] = hit->normal_y, flat[2] = hit->normal_z;
     normalize(flat);
+    if (!(dot(flat, flat) > 0.5f))
+        normal_of_triangle(mesh, hit->primitive, flat);
     if (dot(flat, way) > 0)
         for (int k = 0; k < 3; k++)
             flat[k] = -flat[k];

@@ -51,7 +51,6 @@ kdr_window *kdr_window_open(const char *title, uint32_t width, uint32_t height, 
     }
     kdr_window *window = kdr_memory_get(1, sizeof *window);
     *window = (kdr_window){.window = made};
-    SDL_SetWindowMinimumSize(made, 64, 48);
     return window;
 }
 
