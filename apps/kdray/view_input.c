@@ -33,6 +33,19 @@ static void set_cells(kdr_viewing *view, int deeper) {
     view->redraw = true;
 }
 
+static void reset_camera(kdr_viewing *view) {
+    view->look.camera = view->home;
+    view->moved = true;
+}
+
+/* The beginning of what moves; of what does not, the camera's. */
+static void go_home(kdr_viewing *view) {
+    if (view->clock.duration > 0)
+        kdr_view_clock_skip(&view->clock, -view->clock.time);
+    else
+        reset_camera(view);
+}
+
 static void act(kdr_viewing *view, kdr_view_key key, bool shift) {
     kdr_view_clock *clock = &view->clock;
     switch (key.action) {
@@ -44,12 +57,9 @@ static void act(kdr_viewing *view, kdr_view_key key, bool shift) {
     case KDR_ACTION_FRAME_ON: kdr_view_clock_step(clock, 1); break;
     case KDR_ACTION_SECOND_BACK: kdr_view_clock_skip(clock, -1); break;
     case KDR_ACTION_SECOND_ON: kdr_view_clock_skip(clock, 1); break;
-    case KDR_ACTION_BEGIN: kdr_view_clock_skip(clock, -clock->time); break;
+    case KDR_ACTION_BEGIN: go_home(view); break;
     case KDR_ACTION_END: kdr_view_clock_seek(clock, 1); break;
-    case KDR_ACTION_RESET:
-        view->look.camera = view->home;
-        view->moved = true;
-        break;
+    case KDR_ACTION_RESET: reset_camera(view); break;
     case KDR_ACTION_SHOW: set_show(view, (kdr_view_show)key.number); break;
     case KDR_ACTION_SHOW_NEXT:
         set_show(view, (kdr_view_show)((view->show + (shift ? KDR_SHOW_COUNT - 1 : 1)) % KDR_SHOW_COUNT));

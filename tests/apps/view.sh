@@ -189,6 +189,9 @@ done
 holds "and not all one way" is "$(md5sum fly-*.png | cut -d' ' -f1 | sort -u | wc -l)" 6
 press_shot home.png r
 holds "R goes back from anywhere" cmp -s home.png first.png
+xdotool click 5
+press_shot home.png Home
+holds "and Home, where nothing moves" cmp -s home.png first.png
 
 # Text, and another size
 press_shot plain.png i
