@@ -5,11 +5,13 @@
 #include "view_plans.h"
 
 #include <math.h>
+#include <string.h>
 
 #define HALF_TURN 3.14159265358979323846
 #define ZOOM_STEP 0.88 /* of the distance, for a step of the wheel */
 #define FLY_SPEED 0.7  /* distances to the target in a second */
 #define FLY_FASTER 4.0
+#define TAP (1.0 / 60) /* seconds that a key counts for when it goes down */
 #define CELL_DEEPEST 60u
 
 static void set_show(kdr_viewing *view, kdr_view_show show) {
@@ -81,6 +83,22 @@ static void act(kdr_viewing *view, kdr_view_key key, bool shift) {
     view->redraw = true;
 }
 
+/* There and back on each axis: forward, right, up. */
+static const char *const fly_keys[] = {"W", "S", "D", "A", "E", "Q"};
+
+#define FLY_KEYS 6
+
+/* A key that is down for less than a frame moves the camera too. */
+static void tap(kdr_viewing *view, const char *key) {
+    for (int i = 0; i < FLY_KEYS; i++)
+        if (strcmp(key, fly_keys[i]) == 0) {
+            double ways[3] = {0, 0, 0};
+            ways[i / 2] = (i % 2 ? -1 : 1) * FLY_SPEED * TAP;
+            kdr_camera_fly(&view->look.camera, ways[0], ways[1], ways[2]);
+            view->moved = true;
+        }
+}
+
 /* What a key that is held does again and again, and what only once. */
 static bool goes_on(kdr_view_action action) {
     return (action >= KDR_ACTION_FRAME_BACK && action <= KDR_ACTION_SECOND_ON) || action == KDR_ACTION_CELLS_UP ||
@@ -133,6 +151,8 @@ void kdr_view_input_take(kdr_viewing *view, const kdr_window_event *event) {
         key = kdr_view_key_find(event->key);
         if (!event->repeated || goes_on(key.action))
             act(view, key, event->shift);
+        if (!event->repeated)
+            tap(view, event->key);
         break;
     case KDR_NEWS_PRESS: press(view, event); break;
     case KDR_NEWS_RELEASE: view->drag = KDR_DRAG_NONE; break;
@@ -146,14 +166,14 @@ void kdr_view_input_take(kdr_viewing *view, const kdr_window_event *event) {
 
 void kdr_view_input_fly(kdr_viewing *view, double seconds) {
     const kdr_window *window = view->window;
-    double by = seconds * FLY_SPEED;
+    double by = seconds * FLY_SPEED, ways[3] = {0, 0, 0};
     if (kdr_window_holds(window, "Left Shift") || kdr_window_holds(window, "Right Shift"))
         by *= FLY_FASTER;
-    int forward = kdr_window_holds(window, "W") - kdr_window_holds(window, "S");
-    int right = kdr_window_holds(window, "D") - kdr_window_holds(window, "A");
-    int up = kdr_window_holds(window, "E") - kdr_window_holds(window, "Q");
-    if (forward == 0 && right == 0 && up == 0)
+    for (int i = 0; i < FLY_KEYS; i++)
+        if (kdr_window_holds(window, fly_keys[i]))
+            ways[i / 2] += i % 2 ? -by : by;
+    if (ways[0] == 0 && ways[1] == 0 && ways[2] == 0)
         return;
-    kdr_camera_fly(&view->look.camera, forward * by, right * by, up * by);
+    kdr_camera_fly(&view->look.camera, ways[0], ways[1], ways[2]);
     view->moved = true;
 }

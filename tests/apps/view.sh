@@ -180,13 +180,16 @@ xdotool key r click 4 click 4
 shot near.png
 holds "the wheel goes nearer" no cmp -s near.png first.png
 for key in w s a d q e; do
-    xdotool key r keydown $key
-    sleep 0.1
-    xdotool keyup $key
+    xdotool key r $key
     shot fly-$key.png
     holds "$key flies" no cmp -s fly-$key.png first.png
 done
 holds "and not all one way" is "$(md5sum fly-*.png | cut -d' ' -f1 | sort -u | wc -l)" 6
+xdotool key r keydown d
+sleep 0.3
+xdotool keyup d
+shot held.png
+holds "farther, the longer a key is held" no cmp -s held.png fly-d.png
 press_shot home.png r
 holds "R goes back from anywhere" cmp -s home.png first.png
 xdotool click 5
