@@ -28,6 +28,8 @@ bool kdr_window_prepare(kdr_messages *messages) {
     // Ctrl-C is the program's, as in every other command.
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
+    // Pixels go to the screen as they are; a driver for triangles would take threads from the tracer.
+    SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
     if (SDL_Init(SDL_INIT_VIDEO) != 0) {
         kdr_messages_fail(messages, "there is no display for a window: %s", SDL_GetError());
         return false;
