@@ -392,9 +392,8 @@ KDR_API bool kdr_occluded1(const kdr_scene *scene, const kdr_ray *ray);
 
 /* Counts what lies on a ray's way through the committed kd-trees, up to its closest hit: what a traversal front to back
  * visits (see docs/trace.md), whatever the plan names. A ray that is not valid or passes every tree by costs nothing;
- * an instance is one primitive. Takes about twice as long as
- * kdr_intersect1. Nothing may be NULL. Never allocates, locks
- * or fails. Thread safe. */
+ * an instance is one primitive. Takes about twice as long as kdr_intersect1. Nothing may be NULL. Never allocates,
+ * locks or fails. Thread safe. */
 KDR_API void kdr_cost1(const kdr_scene *scene, const kdr_ray *ray, kdr_ray_cost *cost);
 
 /* The same for packets: each active ray is answered as by kdr_intersect1, to the bit, and what belongs to the others is
