@@ -17,17 +17,17 @@
 
 #define MOST_OBJECTS 64u
 #define MOST_ROUNDS 99u
-#define SIDE 512u /* pixels */
 #define BLOCK 4096u
 
 typedef struct request {
     size_t triangles; /* of all objects together */
     uint32_t rounds;
+    uint32_t side; /* pixels, a multiple of 64 */
 } request;
 
 /* One arrangement, all ways of it at once. */
 typedef struct arrangement {
-    uint32_t count;
+    uint32_t count, side;
     bool apart;
     kdr_device *device;
     kdr_mesh *object;
@@ -160,10 +160,11 @@ static void aim(arrangement *a) {
     right[0] = -forward[2] / across, right[1] = 0, right[2] = forward[0] / across;
     const float up[3] = {right[1] * forward[2] - right[2] * forward[1], right[2] * forward[0] - right[0] * forward[2],
                          right[0] * forward[1] - right[1] * forward[0]};
+    const uint32_t side = a->side;
     const float half = tanf(camera.fov * 3.14159265f / 360);
-    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
-        uint32_t tile = i / 64, x = tile % (SIDE / 8) * 8 + i % 8, y = tile / (SIDE / 8) * 8 + i / 8 % 8;
-        float u = half * (2 * ((float)x + 0.5f) / SIDE - 1), v = half * (1 - 2 * ((float)y + 0.5f) / SIDE);
+    for (uint32_t i = 0; i < side * side; i++) {
+        uint32_t tile = i / 64, x = tile % (side / 8) * 8 + i % 8, y = tile / (side / 8) * 8 + i / 8 % 8;
+        float u = half * (2 * ((float)x + 0.5f) / side - 1), v = half * (1 - 2 * ((float)y + 0.5f) / side);
         kdr_ray_hit *to = &a->primary[i];
         *to = (kdr_ray_hit){.ray = {.origin_x = a->eye[0],
                                     .origin_y = a->eye[1],
@@ -185,7 +186,7 @@ typedef struct tracing {
 static void trace_blocks(void *context, uint32_t index) {
     (void)index;
     tracing *t = context;
-    for (uint32_t begin; (begin = atomic_fetch_add(&t->next, BLOCK)) < SIDE * SIDE;) {
+    for (uint32_t begin; (begin = atomic_fetch_add(&t->next, BLOCK)) < t->a->side * t->a->side;) {
         if (t->any)
             kdr_occluded_n(t->scene, NULL, t->a->shadow + begin, t->a->occluded + begin, BLOCK);
         else
@@ -203,7 +204,7 @@ static double trace(arrangement *a, const kdr_scene *scene, bool any) {
 /* A shadow ray from each hit to the light; from a miss one that is not sent. Returns the number of hits. */
 static uint32_t turn_to_light(arrangement *a) {
     uint32_t hits = 0;
-    for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+    for (uint32_t i = 0; i < a->side * a->side; i++) {
         const kdr_ray_hit *from = &a->primary[i];
         const float *origin = &from->ray.origin_x, *direction = &from->ray.direction_x;
         kdr_ray *to = &a->shadow[i];
@@ -253,12 +254,13 @@ static void run_way(arrangement *a, enum way way, uint32_t round, figures *f) {
 static void measure(const request *r, uint32_t count, bool apart) {
     arrangement *a = get(1, sizeof *a);
     a->count = count;
+    a->side = r->side;
     a->apart = apart;
     must(kdr_device_create(NULL, &a->device));
     must(kdr_mesh_make("knot", r->triangles / count, 0, NULL, &a->object));
-    a->primary = get(SIDE * SIDE, sizeof *a->primary);
-    a->shadow = get(SIDE * SIDE, sizeof *a->shadow);
-    a->occluded = get(SIDE * SIDE, 1);
+    a->primary = get((size_t)a->side * a->side, sizeof *a->primary);
+    a->shadow = get((size_t)a->side * a->side, sizeof *a->shadow);
+    a->occluded = get((size_t)a->side * a->side, 1);
     place_objects(a);
     make_arrays(a);
     make_scenes(a);
@@ -296,7 +298,9 @@ static void measure(const request *r, uint32_t count, bool apart) {
 /* ---- the program */
 
 static int wrong(const char *argument) {
-    fprintf(stderr, "object_experiments: %s\nusage: object_experiments [--triangles 10000-10000000] [--rounds 1-%u]\n",
+    fprintf(stderr,
+            "object_experiments: %s\nusage: object_experiments [--triangles 10000-10000000] [--rounds 1-%u] [--side "
+            "64, 128 ... 4096]\n",
             argument, MOST_ROUNDS);
     return 2;
 }
@@ -309,7 +313,7 @@ static bool read_number(const char *text, unsigned long least, unsigned long mos
 }
 
 int main(int argc, char **argv) {
-    request r = {.triangles = 200000, .rounds = 9};
+    request r = {.triangles = 200000, .rounds = 9, .side = 512};
     for (int i = 1; i < argc; i += 2) {
         unsigned long value;
         const char *text = i + 1 < argc ? argv[i + 1] : NULL;
@@ -317,10 +321,13 @@ int main(int argc, char **argv) {
             r.triangles = value;
         else if (strcmp(argv[i], "--rounds") == 0 && read_number(text, 1, MOST_ROUNDS, &value))
             r.rounds = (uint32_t)value;
+        else if (strcmp(argv[i], "--side") == 0 && read_number(text, 64, 4096, &value) && value % 64 == 0)
+            r.side = (uint32_t)value;
         else
             return wrong(argv[i]);
     }
-    printf("# objects: %ux%u pixels, %ld processors, plan: the default\n", SIDE, SIDE, sysconf(_SC_NPROCESSORS_ONLN));
+    printf("# objects: %ux%u pixels, %ld processors, plan: the default\n", r.side, r.side,
+           sysconf(_SC_NPROCESSORS_ONLN));
     puts("objects,layout,way,triangles,rounds,commit_ms,primary_ms,shadow_ms,frame_ms,hits");
     for (uint32_t count = 1; count <= MOST_OBJECTS; count *= 2)
         for (int apart = 1; apart >= 0; apart--)

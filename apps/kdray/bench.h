@@ -92,11 +92,11 @@ typedef struct kdr_bench_tracer {
                       const kdr_bench_sheet *sheet);
 } kdr_bench_tracer;
 
-#define KDR_BENCH_ENGINE_TRACERS 2u
+#define KDR_BENCH_ENGINE_TRACERS 3u
 
 struct kdr_bench_engine {
-    const char *name; /* "kdray", "embree/low" */
-    kdr_bench_tracer tracers[KDR_BENCH_ENGINE_TRACERS];
+    const char *name;                                   /* "kdray", "embree/low" */
+    kdr_bench_tracer tracers[KDR_BENCH_ENGINE_TRACERS]; /* those behind the last have no name */
     /* Takes over the arrays of the scene's mesh, which may be others than before. Not timed. False after a sentence to
      * the logger. */
     bool (*show)(kdr_bench_engine *engine, const kdr_mesh *mesh);
@@ -157,7 +157,7 @@ typedef struct kdr_bench_row {
     uint64_t hits[KDR_BENCH_KINDS];
 } kdr_bench_row;
 
-/* The tracers that there are: three engines of Embree and kdray, two tracers each. */
+/* The tracers that there are, and more: three engines of Embree, and kdray. */
 #define KDR_BENCH_ROW_LIMIT (4 * KDR_BENCH_ENGINE_TRACERS)
 
 /* Measures every tracer that is asked for and there; *row_count gets the number of rows. False after a sentence to the

@@ -5,6 +5,7 @@
  * geometry alike, the fast triangle test, the coherent flag for coherent rays, and denormals flushed to zero while it
  * runs. */
 #include "bench.h"
+#include "bench_packets.h"
 #include "memory.h"
 
 #if __has_include(<embree3/rtcore.h>)
@@ -147,55 +148,11 @@ static void restore_denormals(uint32_t before) {
 #endif
 }
 
-/* ---- rays as packets: structures of arrays of `width` rays. A width of one gives Embree's lone ray. */
+/* ---- rays */
 
-#define RAY_WORDS 12u /* 32-bit fields of a ray, in the order of kdr_ray */
-#define HIT_WORDS 8u
-#define FAR_WORD 8u /* tmax; minus infinity where a ray was found occluded */
-#define GEOMETRY_WORD (RAY_WORDS + 6)
-#define INSTANCE_WORD (RAY_WORDS + 7)
-
-_Static_assert(sizeof(kdr_ray) == RAY_WORDS * 4 && sizeof(struct RTCRay) == sizeof(kdr_ray), "rays are alike");
-_Static_assert(sizeof(struct RTCRayHit) == (RAY_WORDS + HIT_WORDS) * 4, "hits are alike");
-_Static_assert(sizeof(struct RTCRayHit16) == 16 * sizeof(struct RTCRayHit), "packets are as long as their rays");
-_Static_assert(sizeof(struct RTCRay4) == 4 * sizeof(struct RTCRay), "packets are as long as their rays");
-
-static uint32_t packet_words(const kdr_bench_rays *rays, uint32_t width) {
-    return (rays->any ? RAY_WORDS : RAY_WORDS + HIT_WORDS) * width;
-}
-
-static uint32_t *packet_at(const kdr_bench_rays *rays, uint32_t width, const kdr_bench_sheet *sheet, size_t ray) {
-    return (uint32_t *)sheet->rays + ray / width * packet_words(rays, width);
-}
-
-static void fill(const kdr_bench_rays *rays, uint32_t width, size_t begin, size_t end, kdr_bench_sheet *sheet) {
-    uint32_t count = packet_words(rays, width);
-    for (size_t first = begin; first < end; first += width) {
-        uint32_t *packet = packet_at(rays, width, sheet, first);
-        memset(packet, 0, count * sizeof *packet);
-        for (uint32_t lane = 0; lane < width && first + lane < end; lane++) {
-            uint32_t words[RAY_WORDS];
-            memcpy(words, &rays->rays[first + lane], sizeof words);
-            for (uint32_t word = 0; word < RAY_WORDS; word++)
-                packet[word * width + lane] = words[word];
-            if (!rays->any)
-                packet[GEOMETRY_WORD * width + lane] = packet[INSTANCE_WORD * width + lane] = RTC_INVALID_GEOMETRY_ID;
-        }
-    }
-}
-
-static uint64_t count_hits(const kdr_bench_rays *rays, uint32_t width, size_t begin, size_t end,
-                           const kdr_bench_sheet *sheet) {
-    uint64_t hits = 0;
-    for (size_t i = begin; i < end; i++) {
-        const uint32_t *packet = packet_at(rays, width, sheet, i);
-        uint32_t lane = (uint32_t)(i % width);
-        float far;
-        memcpy(&far, &packet[FAR_WORD * width + lane], sizeof far);
-        hits += rays->any ? far < 0 : packet[GEOMETRY_WORD * width + lane] != RTC_INVALID_GEOMETRY_ID;
-    }
-    return hits;
-}
+_Static_assert(sizeof(struct RTCRay) == sizeof(kdr_ray) && sizeof(struct RTCRayHit) == sizeof(kdr_ray_hit),
+               "rays and hits are alike");
+_Static_assert(sizeof(struct RTCRayHit16) == sizeof(kdr_ray_hit16), "and so are packets of them");
 
 static struct RTCIntersectContext context_for(const kdr_bench_rays *rays) {
     struct RTCIntersectContext context;
@@ -209,13 +166,13 @@ static struct RTCIntersectContext context_for(const kdr_bench_rays *rays) {
 static void fill_single(const kdr_bench_engine *engine, const kdr_bench_rays *rays, size_t begin, size_t end,
                         kdr_bench_sheet *sheet) {
     (void)engine;
-    fill(rays, 1, begin, end, sheet);
+    kdr_bench_packets_fill(rays, 1, begin, end, sheet);
 }
 
 static uint64_t count_single(const kdr_bench_engine *engine, const kdr_bench_rays *rays, size_t begin, size_t end,
                              const kdr_bench_sheet *sheet) {
     (void)engine;
-    return count_hits(rays, 1, begin, end, sheet);
+    return kdr_bench_packets_count(rays, 1, begin, end, sheet);
 }
 
 static void trace_single(const kdr_bench_engine *engine, const kdr_bench_rays *rays, size_t begin, size_t end,
@@ -239,12 +196,12 @@ static void trace_single(const kdr_bench_engine *engine, const kdr_bench_rays *r
 
 static void fill_packet(const kdr_bench_engine *engine, const kdr_bench_rays *rays, size_t begin, size_t end,
                         kdr_bench_sheet *sheet) {
-    fill(rays, state_of(engine)->width, begin, end, sheet);
+    kdr_bench_packets_fill(rays, state_of(engine)->width, begin, end, sheet);
 }
 
 static uint64_t count_packet(const kdr_bench_engine *engine, const kdr_bench_rays *rays, size_t begin, size_t end,
                              const kdr_bench_sheet *sheet) {
-    return count_hits(rays, state_of(engine)->width, begin, end, sheet);
+    return kdr_bench_packets_count(rays, state_of(engine)->width, begin, end, sheet);
 }
 
 static void ask_packet(uint32_t width, bool any, const int *valid, RTCScene scene, struct RTCIntersectContext *context,
@@ -274,7 +231,7 @@ static void trace_packet(const kdr_bench_engine *engine, const kdr_bench_rays *r
     for (size_t first = begin; first < end; first += width) {
         for (size_t lane = end - first; lane < width; lane++) /* the last packet is cut off */
             valid[lane] = 0;
-        ask_packet(width, rays->any, valid, state->scene, &context, packet_at(rays, width, sheet, first));
+        ask_packet(width, rays->any, valid, state->scene, &context, kdr_bench_packet_at(rays, width, sheet, first));
     }
     restore_denormals(before);
 }

@@ -1,5 +1,6 @@
-/* kdray as an engine: whole calls of 4096 rays ("stream"), or ray after ray ("single"). */
+/* kdray as an engine: whole calls of 4096 rays ("stream"), packets of 16 ("packet"), or ray after ray ("single"). */
 #include "bench.h"
+#include "bench_packets.h"
 #include "memory.h"
 
 #include <string.h>
@@ -51,6 +52,37 @@ static void trace_single(const kdr_bench_engine *engine, const kdr_bench_rays *r
     }
 }
 
+/* ---- packets of 16 */
+
+static void fill_packet(const kdr_bench_engine *engine, const kdr_bench_rays *rays, size_t begin, size_t end,
+                        kdr_bench_sheet *sheet) {
+    (void)engine;
+    kdr_bench_packets_fill(rays, 16, begin, end, sheet);
+}
+
+static uint64_t count_packet(const kdr_bench_engine *engine, const kdr_bench_rays *rays, size_t begin, size_t end,
+                             const kdr_bench_sheet *sheet) {
+    (void)engine;
+    return kdr_bench_packets_count(rays, 16, begin, end, sheet);
+}
+
+static void trace_packet(const kdr_bench_engine *engine, const kdr_bench_rays *rays, size_t begin, size_t end,
+                         kdr_bench_sheet *sheet) {
+    const kdr_scene *scene = state_of(engine)->scene;
+    int32_t valid[16];
+    memset(valid, -1, sizeof valid);
+    for (size_t first = begin; first < end; first += 16) {
+        for (size_t lane = end - first; lane < 16; lane++) /* the last packet is cut off */
+            valid[lane] = 0;
+        if (rays->any)
+            kdr_occluded16(scene, valid, kdr_bench_packet_at(rays, 16, sheet, first));
+        else
+            kdr_intersect16(scene, valid, kdr_bench_packet_at(rays, 16, sheet, first));
+    }
+}
+
+/* ---- the engine */
+
 static uint64_t count_hits(const kdr_bench_engine *engine, const kdr_bench_rays *rays, size_t begin, size_t end,
                            const kdr_bench_sheet *sheet) {
     (void)engine;
@@ -99,15 +131,16 @@ bool kdr_bench_kdray_open(const kdr_bench_scene *scene, const kdr_build_def *def
                           kdr_bench_engine *out) {
     kdray_state *state = kdr_memory_get(1, sizeof *state);
     *state = (kdray_state){.build = *def};
-    *out = (kdr_bench_engine){
-        .name = "kdray",
-        .tracers = {{"stream", fill, trace_stream, count_hits}, {"single", fill, trace_single, count_hits}},
-        .show = show,
-        .build = build,
-        .bytes = bytes,
-        .close = close_engine,
-        .state = state,
-        .logger = logger};
+    *out = (kdr_bench_engine){.name = "kdray",
+                              .tracers = {{"stream", fill, trace_stream, count_hits},
+                                          {"packet", fill_packet, trace_packet, count_packet},
+                                          {"single", fill, trace_single, count_hits}},
+                              .show = show,
+                              .build = build,
+                              .bytes = bytes,
+                              .close = close_engine,
+                              .state = state,
+                              .logger = logger};
 
     kdr_triangles_def triangles = triangles_of(scene->mesh);
     if (kdr_scene_create(scene->device, &state->scene) == KDR_OK &&

@@ -43,7 +43,7 @@ static const struct engine_names {
     const char *engine;
     const char *tracers[KDR_BENCH_ENGINE_TRACERS];
 } names[ENGINE_LIMIT] = {
-    {"kdray", {"stream", "single"}},
+    {"kdray", {"stream", "packet", "single"}},
     {"embree/low", {"packet", "single"}},
     {"embree/medium", {"packet", "single"}},
     {"embree/high", {"packet", "single"}},
@@ -64,7 +64,7 @@ static bool asked_for(const kdr_bench_options *options, const char *tracer) {
 
 bool kdr_bench_wanted(const kdr_bench_options *options, const char *beginning) {
     for (uint32_t i = 0; i < ENGINE_LIMIT; i++) {
-        for (uint32_t k = 0; k < KDR_BENCH_ENGINE_TRACERS; k++) {
+        for (uint32_t k = 0; k < KDR_BENCH_ENGINE_TRACERS && names[i].tracers[k]; k++) {
             char name[KDR_BENCH_NAME_SIZE];
             join_names(names[i].engine, names[i].tracers[k], name);
             if (begins(name, beginning) && asked_for(options, name))
@@ -87,7 +87,7 @@ static bool take_engine(measuring *m) {
         return false;
     double cold = kdr_seconds() - begin;
     double triangles = (double)m->scene->mesh->triangle_count;
-    for (uint32_t i = 0; i < KDR_BENCH_ENGINE_TRACERS; i++) {
+    for (uint32_t i = 0; i < KDR_BENCH_ENGINE_TRACERS && engine->tracers[i].name; i++) {
         char name[KDR_BENCH_NAME_SIZE];
         join_names(engine->name, engine->tracers[i].name, name);
         if (!asked_for(m->options, name))

@@ -67,7 +67,7 @@ static void add_only(kdr_bench_options *bench, const char *text, struct argp_sta
         argp_error(state, "--only: expected at most %u", KDR_BENCH_ONLY_LIMIT);
     if (!kdr_bench_known(text))
         argp_error(state,
-                   "--only: expected the beginning of kdray/stream, kdray/single, embree/low/packet, "
+                   "--only: expected the beginning of kdray/stream, kdray/packet, kdray/single, embree/low/packet, "
                    "embree/low/single, or those of embree/medium and embree/high, found \"%.40s\"",
                    text);
     bench->only[bench->only_count++] = text;

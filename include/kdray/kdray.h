@@ -421,8 +421,8 @@ typedef struct kdr_trace_def {
 KDR_API kdr_trace_def kdr_default_trace_def(void);
 
 /* The same for `count` rays, each answered as by kdr_intersect1 or kdr_occluded1. def NULL means the defaults.
- * occluded[i] becomes 1 or 0. Runs on the calling thread, with up to 64 KiB of its stack: split the rays over threads
- * with kdr_device_run. */
+ * occluded[i] becomes 1 or 0. Runs on the calling thread, with up to 64 KiB of its stack, and 16 KiB more for each
+ * level of instances: split the rays over threads with kdr_device_run. */
 KDR_API void kdr_intersect_n(const kdr_scene *scene, const kdr_trace_def *def, kdr_ray_hit *ray_hits, size_t count);
 KDR_API void kdr_occluded_n(const kdr_scene *scene, const kdr_trace_def *def, const kdr_ray *rays, uint8_t *occluded,
                             size_t count);

@@ -47,6 +47,11 @@ static kdr_listener *next_build(kdr_listener *listener, uint64_t count, uint64_t
     return listener;
 }
 
+/* An empty tree has no wide nodes, and needs none. */
+static bool may_go_together(const kdr_part *part) {
+    return part->tree.wide || (part->plan.wide && part->tree.primitive_count == 0);
+}
+
 /* Fills a place with what is to be shown. What was made when something fails is left there. */
 static kdr_status fill(kdr_scene *scene, const kdr_plan *plan, bool keep_dynamic, bool keep_static,
                        kdr_listener *listener, kdr_committed *to) {
@@ -77,7 +82,7 @@ static kdr_status fill(kdr_scene *scene, const kdr_plan *plan, bool keep_dynamic
     to->is_commit = true;
     to->has_more = to->static_part || to->customs;
     to->is_named = plan->trace != KDR_TRACE_AUTO || (to->static_part && scene->static_plan.trace != KDR_TRACE_AUTO);
-    to->wide = to->dynamic_part->tree.wide && (!to->static_part || to->static_part->tree.wide);
+    to->wide = may_go_together(to->dynamic_part) && (!to->static_part || may_go_together(to->static_part));
     return KDR_OK;
 }
 

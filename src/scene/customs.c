@@ -109,8 +109,10 @@ static bool take_instances(kdr_device *device, kdr_customs *c) {
     uint32_t number = 0;
     bool made = true;
     for (uint32_t g = 0; g < c->count; g++) {
-        if (!is_instances(&c->defs[g]))
+        if (!is_instances(&c->defs[g])) {
+            c->has_others |= c->defs[g].primitive_count > 0;
             continue;
+        }
         kdr_instances *instances = made ? kdr_instances_create(device, c->defs[g].user) : NULL;
         made = instances != NULL;
         c->defs[g].user = instances;

@@ -12,6 +12,7 @@ typedef struct kdr_customs {
     uint32_t *first;      /* first[g] is the number of geometry g's first primitive; first[count] the total */
     uint32_t count;       /* geometries */
     bool is_taken;        /* instances have been put in the place of their defs */
+    bool has_others;      /* there are primitives that are no instances */
 } kdr_customs;
 
 /* Builds the tree. defs: `count` of them, or NULL. *out becomes NULL if there is no primitive. Whatever fails, the log
@@ -31,5 +32,11 @@ void kdr_customs_closest(const kdr_customs *customs, kdr_ray_hit *ray_hit);
 
 /* True if the ray hits a custom primitive. */
 bool kdr_customs_any(const kdr_customs *customs, const kdr_ray *ray);
+
+/* The same for at most KDR_PACKET_RAYS rays that go together: of each instance that some of them meet, these are asked
+ * at once. With primitives that are no instances, or instances too many, the rays are asked one by one. occluded[i] not
+ * 0: ray i is not asked. (instance_packets.c) */
+void kdr_customs_closest_n(const kdr_customs *customs, kdr_ray_hit *ray_hits, uint32_t count);
+void kdr_customs_any_n(const kdr_customs *customs, const kdr_ray *rays, uint8_t *occluded, uint32_t count);
 
 #endif

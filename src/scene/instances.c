@@ -124,8 +124,8 @@ void kdr_instances_bounds(uint32_t instance, float lo[3], float hi[3], void *use
 
 /* ---- queries */
 
-/* Whether a ray meets a box, in doubles: the same for every tree. */
-static bool meets(const kdr_ray *ray, const kdr_box *box) {
+bool kdr_instances_meet(const kdr_instances *instances, uint32_t instance, const kdr_ray *ray, float *entry) {
+    const kdr_box *box = &instances->places[instance].box;
     const float origin[3] = {ray->origin_x, ray->origin_y, ray->origin_z};
     const float direction[3] = {ray->direction_x, ray->direction_y, ray->direction_z};
     double enter = ray->tmin, leave = ray->tmax;
@@ -136,15 +136,17 @@ static bool meets(const kdr_ray *ray, const kdr_box *box) {
                 return false;
             continue;
         }
-        double a = below / direction[k], b = above / direction[k];
-        enter = fmax(enter, fmin(a, b));
-        leave = fmin(leave, fmax(a, b));
+        double reciprocal = 1 / (double)direction[k], a = below * reciprocal, b = above * reciprocal;
+        double sooner = a < b ? a : b, later = a < b ? b : a;
+        enter = sooner > enter ? sooner : enter;
+        leave = later < leave ? later : leave;
     }
+    *entry = (float)enter;
     return enter <= leave;
 }
 
-/* The ray as the instance's scene sees it. */
-static kdr_ray taken_in(const kdr_ray *ray, const double inverse[12]) {
+kdr_ray kdr_instances_take_in(const kdr_instances *instances, uint32_t instance, const kdr_ray *ray) {
+    const double *inverse = instances->places[instance].inverse;
     float origin[3], direction[3];
     for (int i = 0; i < 3; i++) {
         const double *row = &inverse[4 * i];
@@ -157,40 +159,41 @@ static kdr_ray taken_in(const kdr_ray *ray, const double inverse[12]) {
     return inside;
 }
 
-/* A normal as it stands in the outer scene: with edges e and f that become M e and M f, their cross product becomes
- * det(M) times the inverse, transposed, times e x f. */
-static void take_out(const double inverse[12], const kdr_hit *inside, kdr_custom_hit *hit) {
-    const double *r = inverse;
+/* The normal: with edges e and f that become M e and M f, their cross product becomes det(M) times the inverse,
+ * transposed, times e x f. */
+void kdr_instances_take_out(const kdr_instances *instances, uint32_t instance, const kdr_ray_hit *inside,
+                            kdr_custom_hit *hit) {
+    const double *r = instances->places[instance].inverse;
     double det =
         r[0] * (r[5] * r[10] - r[6] * r[9]) - r[1] * (r[4] * r[10] - r[6] * r[8]) + r[2] * (r[4] * r[9] - r[5] * r[8]);
-    double n[3] = {inside->normal_x, inside->normal_y, inside->normal_z};
+    double n[3] = {inside->hit.normal_x, inside->hit.normal_y, inside->hit.normal_z};
     hit->normal_x = (float)((r[0] * n[0] + r[4] * n[1] + r[8] * n[2]) / det);
     hit->normal_y = (float)((r[1] * n[0] + r[5] * n[1] + r[9] * n[2]) / det);
     hit->normal_z = (float)((r[2] * n[0] + r[6] * n[1] + r[10] * n[2]) / det);
+    hit->t = inside->ray.tmax;
+    hit->u = inside->hit.u;
+    hit->v = inside->hit.v;
 }
 
 bool kdr_instances_closest(const kdr_instances *instances, uint32_t instance, const kdr_ray *ray, kdr_custom_hit *hit,
                            kdr_hit *met) {
-    const instance_place *place = &instances->places[instance];
-    if (!meets(ray, &place->box))
+    float entry;
+    if (!kdr_instances_meet(instances, instance, ray, &entry))
         return false;
-    kdr_ray_hit inside = {.ray = taken_in(ray, place->inverse)};
+    kdr_ray_hit inside = {.ray = kdr_instances_take_in(instances, instance, ray)};
     kdr_intersect1(instances->def.scene, &inside);
     if (inside.hit.geometry == KDR_INVALID_ID)
         return false;
-    hit->t = inside.ray.tmax;
-    hit->u = inside.hit.u;
-    hit->v = inside.hit.v;
-    take_out(place->inverse, &inside.hit, hit);
+    kdr_instances_take_out(instances, instance, &inside, hit);
     met->primitive = inside.hit.primitive;
     met->geometry = inside.hit.geometry;
     return true;
 }
 
 bool kdr_instances_any(const kdr_instances *instances, uint32_t instance, const kdr_ray *ray) {
-    const instance_place *place = &instances->places[instance];
-    if (!meets(ray, &place->box))
+    float entry;
+    if (!kdr_instances_meet(instances, instance, ray, &entry))
         return false;
-    kdr_ray inside = taken_in(ray, place->inverse);
+    kdr_ray inside = kdr_instances_take_in(instances, instance, ray);
     return kdr_occluded1(instances->def.scene, &inside);
 }

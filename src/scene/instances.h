@@ -27,4 +27,11 @@ bool kdr_instances_closest(const kdr_instances *instances, uint32_t instance, co
                            kdr_hit *met);
 bool kdr_instances_any(const kdr_instances *instances, uint32_t instance, const kdr_ray *ray);
 
+/* What these two are made of: whether a ray is asked of an instance at all, and where it enters its box; the ray as the
+ * scene sees it that is shown; and a hit there, of which hit->t, u, v and the normal are set. */
+bool kdr_instances_meet(const kdr_instances *instances, uint32_t instance, const kdr_ray *ray, float *entry);
+kdr_ray kdr_instances_take_in(const kdr_instances *instances, uint32_t instance, const kdr_ray *ray);
+void kdr_instances_take_out(const kdr_instances *instances, uint32_t instance, const kdr_ray_hit *inside,
+                            kdr_custom_hit *hit);
+
 #endif

@@ -135,17 +135,19 @@ static inline kdr_found found_by(const kdr_packet_found *found, uint32_t i) {
 static void intersect_more(const kdr_committed *seen, const kdr_traversals *traversals, kdr_packet_rays *rays,
                            kdr_ray_hit *ray_hits, uint32_t count) {
     kdr_packet_found found;
-    for (uint32_t i = 0; i < count; i++)
-        rays->tmax[i] = ray_hits[i].ray.tmax;
-    if (seen->static_part)
-        traversals->packet_closest(&seen->static_part->tree, rays, &found);
-    for (uint32_t i = 0; i < count; i++) {
-        kdr_found one = found_by(&found, i);
-        if (seen->static_part && one.primitive != UINT32_MAX)
-            answer_static(seen->static_part, &one, &ray_hits[i]);
-        if (seen->customs)
-            kdr_customs_closest(seen->customs, &ray_hits[i]);
+    const kdr_part *part = seen->static_part;
+    if (part) {
+        for (uint32_t i = 0; i < count; i++)
+            rays->tmax[i] = ray_hits[i].ray.tmax;
+        traversals->packet_closest(&part->tree, rays, &found);
+        for (uint32_t i = 0; i < count; i++) {
+            kdr_found one = found_by(&found, i);
+            if (one.primitive != UINT32_MAX)
+                answer_static(part, &one, &ray_hits[i]);
+        }
     }
+    if (seen->customs)
+        kdr_customs_closest_n(seen->customs, ray_hits, count);
 }
 
 static void intersect_packet(const kdr_committed *seen, const kdr_traversals *traversals, kdr_ray_hit *ray_hits,
@@ -173,7 +175,11 @@ static void occluded_packet(const kdr_committed *seen, const kdr_traversals *tra
     }
     for (uint32_t i = 0; i < count; i++)
         occluded[i] = found >> i & 1;
-    if (has_more(seen) && seen->customs)
+    if (!has_more(seen) || !seen->customs)
+        return;
+    if (together)
+        kdr_customs_any_n(seen->customs, from, occluded, count);
+    else
         for (uint32_t i = 0; i < count; i++)
             occluded[i] = occluded[i] || kdr_customs_any(seen->customs, &from[i]);
 }

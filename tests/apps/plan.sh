@@ -75,7 +75,7 @@ holds "its CSV tells the plan" grep -qE '^# plan: split=space axis=longest .* le
 
 run bench "$scene" -r 8x8 --rounds 1 --only kdray --plan "split=space leaf-limit=9" --json -
 holds "every row of its JSON tells the plan" is \
-    "$(grep -cE '"plan": "split=space axis=longest .* leaf-limit=9 ' out) $(grep -c '"tracer": ' out)" "2 2"
+    "$(grep -cE '"plan": "split=space axis=longest .* leaf-limit=9 ' out) $(grep -c '"tracer": ' out)" "3 3"
 
 # What is refused
 refuses() {

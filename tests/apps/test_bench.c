@@ -167,9 +167,9 @@ static sheet csv;
 
 /* ---- tests */
 
-static const char *const tracers[] = {"kdray/stream",       "kdray/single",         "embree/low/packet",
-                                      "embree/low/single",  "embree/medium/packet", "embree/medium/single",
-                                      "embree/high/packet", "embree/high/single"};
+static const char *const tracers[] = {"kdray/stream",         "kdray/packet",       "kdray/single",
+                                      "embree/low/packet",    "embree/low/single",  "embree/medium/packet",
+                                      "embree/medium/single", "embree/high/packet", "embree/high/single"};
 #define TRACERS (sizeof tracers / sizeof tracers[0])
 
 static void every_tracer_has_a_row_and_every_figure_is_there(void **state) {
@@ -210,8 +210,8 @@ static void tracers_agree_on_what_is_hit(void **state) {
         size_t first = row / TRACERS * TRACERS;
         for (size_t i = 0; i < 4; i++) {
             double off = fabs(number(&csv, row, counts[i]) - number(&csv, first, counts[i]));
-            if (row == first + 1)
-                assert_true(off == 0); /* kdray, ray after ray */
+            if (row < first + 3)
+                assert_true(off == 0); /* kdray, in packets or ray after ray */
             assert_true(off <= 1 + 1e-4 * number(&csv, first, counts[i]));
         }
     }
@@ -316,7 +316,7 @@ static void without_embree_a_sentence_and_the_rows_of_kdray(void **state) {
     assert_int_equal(status, 0);
     assert_non_null(strstr(complained, "kdray is measured alone\n"));
     read_csv("a.csv", &csv);
-    assert_int_equal(csv.rows, 2);
+    assert_int_equal(csv.rows, 3);
     assert_int_equal(bench("builtin:flake:500", "--only", "kdray", NULL), 0);
     assert_string_equal(complained, "");
     assert_int_equal(bench("builtin:flake:500", "--only", "embree", NULL), 1);
@@ -366,7 +366,7 @@ static void a_scene_that_fails_does_not_stop_the_others(void **state) {
     assert_int_equal(bench(missing, "builtin:flake:500", "--only", "kdray", "--csv", path_of("a.csv"), NULL), 1);
     assert_non_null(strstr(complained, "missing.ply"));
     read_csv("a.csv", &csv);
-    assert_int_equal(csv.rows, 2);
+    assert_int_equal(csv.rows, 3);
     assert_int_equal(bench(missing, "--json", path_of("a.json"), NULL), 1);
     assert_false(exists("a.json"));
 }
@@ -441,7 +441,7 @@ static void wrong_usage_is_a_sentence_and_status_2(void **state) {
         {"--rounds", "0"},
         {"--rounds", "1.5"},
         {"--only", "embre/low"},
-        {"--only", "kdray/packet"},
+        {"--only", "kdray/packets"},
         {"--isa", "mmx"},
         {"--leaf-limit", "0"},
         {"--depth-limit", "61"},
