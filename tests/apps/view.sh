@@ -56,6 +56,13 @@ for ((i = 0; i < 200; i++)); do
     [[ ! -s display ]] || break
     sleep 0.05
 done
+# Nothing can be said of windows where none opens: that ends the test, and fails it.
+needs() {
+    "${@:2}" && return
+    holds "$1" false
+    finish
+}
+needs "Xvfb opens a display" test -s display
 export DISPLAY=:$(cat display) ASAN_OPTIONS=$no_leaks
 window=
 viewer=
@@ -65,6 +72,7 @@ open() {
     env --default-signal "$kdray" view "$@" >out 2>err </dev/null &
     viewer=$!
     window=$(timeout 20 xdotool search --sync --onlyvisible --name '^kdray ' | head -1)
+    needs "view opens a window" test -n "$window"
     xdotool windowfocus "$window" mousemove --window "$window" 60 60
 }
 
@@ -79,7 +87,8 @@ shot() {
         [[ ! -e $name ]] || break
         sleep 0.01
     done
-    cp "$name" "$1" 2>/dev/null || : >"$1"
+    needs "P takes a screenshot" test -e "$name"
+    cp "$name" "$1"
 }
 
 # press KEY... then shot NAME: press_shot NAME KEY...
