@@ -30,7 +30,8 @@ static const struct argp_option options[] = {
 
 static const char description[] =
     "Render what moves to numbered pictures, the tree built anew for each.\v"
-    "FILE is a glTF or GLB file, a name with # for the number of a sequence of mesh files (walk_####.ply), a mesh file "
+    "FILE is a glTF, GLB or MD2 file, a name with # for the number of a sequence of mesh files (walk_####.ply), a mesh "
+    "file "
     "that stands still, or builtin:NAME[:TRIANGLES[:TIME]], a built-in scene; `kdray info --scenes' lists those.\n\n"
     "Exit status: 0 done, 1 failed, 2 wrong usage.";
 

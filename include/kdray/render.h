@@ -63,6 +63,7 @@ typedef struct kdr_animation kdr_animation;
 
 /* Opens what `path` names:
  *   a glTF or GLB file: its first animation, as kdr_mesh_read_at shows it;
+ *   an MD2 file, where the library was built with assimp: its keyframes, ten a second, and straight lines between them;
  *   a name with # in its last part, "walk_####.ply": the files that have a number there, of at least as many digits,
  *     with zeros before it if need be, each shown for 1 / rate seconds, the first from time 0 on;
  *   "builtin:NAME[:TRIANGLES[:TIME]]": a built-in scene, which moves on from TIME for ever, or stands still;

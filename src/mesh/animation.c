@@ -1,12 +1,14 @@
 /* Things that move, of every kind behind one handle. */
 #include "mesh/builtin.h"
 #include "mesh/gltf_animation.h"
+#include "mesh/md2_animation.h"
 #include "mesh/mesh_memory.h"
 #include "mesh/report.h"
 #include "mesh/sequence.h"
 
 #include <math.h>
 #include <string.h>
+#include <strings.h>
 
 struct kdr_animation {
     kdr_animation_source source;
@@ -87,11 +89,19 @@ static bool is_gltf(const char *path) {
     return kdr_source_has_ending(&source, "gltf") || kdr_source_has_ending(&source, "glb");
 }
 
+/* Unpacked, and where there is assimp, which reads its frames. */
+static bool is_md2(const char *path) {
+    size_t length = strlen(path);
+    return kdr_read_assimp_is_built() && length > 4 && strcasecmp(path + length - 4, ".md2") == 0;
+}
+
 static kdr_status open_source(const char *path, double rate, const kdr_logger *logger, kdr_animation_source *out) {
     if (kdr_builtin_is_meant(path))
         return open_builtin(path, logger, out);
     if (kdr_sequence_is_meant(path))
         return kdr_sequence_open(path, rate, logger, out);
+    if (is_md2(path))
+        return kdr_md2_animation_open(path, logger, out);
     return is_gltf(path) ? kdr_gltf_animation_open(path, logger, out) : open_still(path, logger, out);
 }
 

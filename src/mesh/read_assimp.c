@@ -17,6 +17,7 @@
 #include "mesh/mesh_memory.h"
 
 #include <assimp/cimport.h>
+#include <assimp/config.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -259,7 +260,21 @@ static kdr_status check_content(const kdr_source *source) {
     return kdr_source_has_ending(source, "gltf") ? kdr_gltf_check(source, &frame) : KDR_OK;
 }
 
+/* keyframe: of an MD2 file, which one to show. */
+static const struct aiScene *import_file(const char *name, struct aiFileIO *io, uint32_t keyframe) {
+    struct aiPropertyStore *properties = aiCreatePropertyStore();
+    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_MD2_KEYFRAME, (int)keyframe);
+    const struct aiScene *scene =
+        aiImportFileExWithProperties(name, aiProcess_Triangulate | aiProcess_SortByPType, io, properties);
+    aiReleasePropertyStore(properties);
+    return scene;
+}
+
 kdr_status kdr_read_assimp(const kdr_source *source, kdr_mesh **out) {
+    return kdr_read_assimp_keyframe(source, 0, out);
+}
+
+kdr_status kdr_read_assimp_keyframe(const kdr_source *source, uint32_t keyframe, kdr_mesh **out) {
     *out = NULL;
     char ending[MAX_ENDING + 1], name[PATH_MAX], format[32];
     kdr_status status = check_content(source);
@@ -281,7 +296,7 @@ kdr_status kdr_read_assimp(const kdr_source *source, kdr_mesh **out) {
     kdr_assimp_files files = {source, name};
     struct aiFileIO io;
     kdr_assimp_files_begin(&files, &io);
-    const struct aiScene *scene = aiImportFileEx(name, aiProcess_Triangulate | aiProcess_SortByPType, &io);
+    const struct aiScene *scene = import_file(name, &io, keyframe);
     if (!scene)
         return kdr_source_fail(source, KDR_ERROR_INVALID_DATA, "expected a file that assimp reads: %s",
                                aiGetErrorString());
@@ -302,6 +317,11 @@ bool kdr_read_assimp_knows(const kdr_source *source) {
 kdr_status kdr_read_assimp(const kdr_source *source, kdr_mesh **out) {
     *out = NULL;
     return kdr_source_fail(source, KDR_ERROR_UNSUPPORTED, "is glTF, which this build of kdray does not read");
+}
+
+kdr_status kdr_read_assimp_keyframe(const kdr_source *source, uint32_t keyframe, kdr_mesh **out) {
+    (void)keyframe;
+    return kdr_read_assimp(source, out);
 }
 
 #endif

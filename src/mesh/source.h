@@ -39,6 +39,9 @@ kdr_status kdr_read_obj(const kdr_source *source, kdr_mesh **out);
 kdr_status kdr_read_stl(const kdr_source *source, kdr_mesh **out);
 kdr_status kdr_read_assimp(const kdr_source *source, kdr_mesh **out);
 
+/* The same with an MD2 file as it is at a keyframe; others have none. */
+kdr_status kdr_read_assimp_keyframe(const kdr_source *source, uint32_t keyframe, kdr_mesh **out);
+
 /* Whether kdr_read_assimp knows the name's ending. False where the library was built without it. */
 bool kdr_read_assimp_knows(const kdr_source *source);
 bool kdr_read_assimp_is_built(void);
