@@ -11,6 +11,7 @@
 
 struct kdr_window {
     SDL_Window *window;
+    bool shift; /* is down, at the last event that was taken */
 };
 
 bool kdr_window_prepare(kdr_messages *messages) {
@@ -71,18 +72,23 @@ void kdr_window_size(kdr_window *window, uint32_t *width, uint32_t *height) {
     *height = size[1] > 0 ? (uint32_t)size[1] : 1;
 }
 
-static kdr_window_event translate(const SDL_Event *from) {
-    kdr_window_event event = {.news = KDR_NEWS_NONE, .shift = (SDL_GetModState() & KMOD_SHIFT) != 0};
+/* Whether Shift is down is what the keys before an event say: the state that SDL tells is that of the last event that
+ * has come, which may be far behind in the queue. */
+static kdr_window_event translate(kdr_window *window, const SDL_Event *from) {
+    if (from->type == SDL_KEYDOWN || from->type == SDL_KEYUP)
+        window->shift = (from->key.keysym.mod & KMOD_SHIFT) != 0;
+    kdr_window_event event = {.news = KDR_NEWS_NONE, .shift = window->shift};
     switch (from->type) {
     case SDL_QUIT: event.news = KDR_NEWS_CLOSED; break;
     case SDL_WINDOWEVENT:
+        if (from->window.event == SDL_WINDOWEVENT_FOCUS_LOST)
+            window->shift = false;
         if (from->window.event == SDL_WINDOWEVENT_SIZE_CHANGED || from->window.event == SDL_WINDOWEVENT_EXPOSED)
             event.news = KDR_NEWS_CHANGED;
         break;
     case SDL_KEYDOWN:
         event.news = KDR_NEWS_KEY;
         event.repeated = from->key.repeat != 0;
-        event.shift = (from->key.keysym.mod & KMOD_SHIFT) != 0;
         snprintf(event.key, sizeof event.key, "%s", SDL_GetKeyName(from->key.keysym.sym));
         break;
     case SDL_MOUSEBUTTONDOWN:
@@ -109,12 +115,11 @@ static kdr_window_event translate(const SDL_Event *from) {
 }
 
 kdr_window_event kdr_window_next(kdr_window *window, double wait) {
-    (void)window;
     SDL_Event from;
     int milliseconds = (int)(1e3 * wait);
     // What means nothing here does not end the waiting, but what comes behind it counts from now.
     while (milliseconds > 0 ? SDL_WaitEventTimeout(&from, milliseconds) : SDL_PollEvent(&from)) {
-        kdr_window_event event = translate(&from);
+        kdr_window_event event = translate(window, &from);
         if (event.news != KDR_NEWS_NONE)
             return event;
         milliseconds = 0;
