@@ -312,6 +312,20 @@ static bool read_number(const char *text, unsigned long least, unsigned long mos
     return text && *text >= '0' && *text <= '9' && *end == 0 && *out >= least && *out <= most;
 }
 
+/* The processor's name as the system gives it. */
+static void write_machine(void) {
+    char line[256];
+    const char *name = NULL;
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    while (file && !name && fgets(line, sizeof line, file))
+        name = strncmp(line, "model name", 10) == 0 ? strchr(line, ':') : NULL;
+    if (file)
+        fclose(file);
+    if (name)
+        line[strcspn(line, "\n")] = 0;
+    printf("# machine: %s, %ld processors\n", name ? name + 2 : "unknown", sysconf(_SC_NPROCESSORS_ONLN));
+}
+
 int main(int argc, char **argv) {
     request r = {.triangles = 200000, .rounds = 9, .side = 512};
     for (int i = 1; i < argc; i += 2) {
@@ -326,8 +340,8 @@ int main(int argc, char **argv) {
         else
             return wrong(argv[i]);
     }
-    printf("# objects: %ux%u pixels, %ld processors, plan: the default\n", r.side, r.side,
-           sysconf(_SC_NPROCESSORS_ONLN));
+    printf("# objects: %ux%u pixels, plan: the default\n", r.side, r.side);
+    write_machine();
     puts("objects,layout,way,triangles,rounds,commit_ms,primary_ms,shadow_ms,frame_ms,hits");
     for (uint32_t count = 1; count <= MOST_OBJECTS; count *= 2)
         for (int apart = 1; apart >= 0; apart--)
