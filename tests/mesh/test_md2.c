@@ -59,7 +59,8 @@ static void make_file(unsigned char file[FILE_END]) {
         for (int k = 0; k < 3; k++)
             put_float(frame + 4 * k, k == 0 ? (float)(f + 1) : 1);
         put_float(frame + 12, 2 * (float)f);
-        snprintf((char *)frame + 24, 16, "stand%d", f);
+        const char name[] = {'s', 't', 'a', 'n', 'd', (char)('1' + f), 0};
+        memcpy(frame + 24, name, sizeof name);
         for (int v = 0; v < VERTICES; v++) {
             unsigned char *vertex = frame + 40 + 4 * v;
             vertex[0] = v & 1;

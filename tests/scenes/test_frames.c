@@ -16,6 +16,8 @@
 #define TRIANGLES 1500
 #define RAYS TEST_SIZE(200)
 #define STILL_FRAMES 8 /* different ones in a long run, shown over and over */
+#define LATE_BYTES                                                                                                     \
+    ((size_t)4 << 20) /* what a worker takes when it first works: chunks of its arenas and a few blocks */
 
 static kdr_triangles_def def_of(const kdr_mesh *mesh) {
     kdr_triangles_def def = kdr_default_triangles_def();
@@ -130,9 +132,10 @@ static void memory_and_trees_stay_the_same_over_many_frames(void **state) {
         printf("%llu frames: %zu bytes in the middle, %zu at the end, %llu calls of the allocator between\n",
                (unsigned long long)frames, bytes, kdr_device_bytes(device), (unsigned long long)late_calls);
 
-    /* How many blocks two workers hold at once is a matter of chance; a few more may turn up late, but no trickle. */
+    /* How many blocks two workers hold at once is a matter of chance, and on a busy machine the second may find its
+     * first work late: a few blocks may turn up then, a chunk of an arena among them, but no trickle. */
     assert_true(late_calls <= 8);
-    assert_true(kdr_device_bytes(device) <= bytes + bytes / 4);
+    assert_true(kdr_device_bytes(device) <= bytes + (bytes / 4 > LATE_BYTES ? bytes / 4 : LATE_BYTES));
     assert_int_equal(kdr_scene_verify(scene), KDR_OK);
     kdr_scene_destroy(scene);
     kdr_device_destroy(device);
