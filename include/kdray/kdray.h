@@ -293,6 +293,7 @@ typedef enum kdr_quality {
     KDR_QUALITY_FAST,     /* for a tree that one picture's rays go through: larger leaves, built sooner */
     KDR_QUALITY_BALANCED, /* the default: for a tree that several pictures' rays go through */
     KDR_QUALITY_BEST, /* for a tree that is built once: the sweep with triangles cut at planes, and splits taken back */
+    KDR_QUALITY_LAZY, /* for few rays of a large scene: as FAST, but rays build what they reach, see lazy_limit */
 } kdr_quality;
 
 /* The plan for a purpose, to be changed as needed. A value that is no kdr_quality means the default. */

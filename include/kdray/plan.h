@@ -37,6 +37,9 @@ typedef enum kdr_share_rule {
 
 #define KDR_MAX_SHARE_COUNT 1024
 
+#define KDR_MIN_LAZY_LIMIT 64
+#define KDR_MAX_LAZY_LIMIT 8192
+
 /* Events of the sweep. */
 typedef enum kdr_event_form {
     KDR_EVENTS_TWO = 2,  /* begin and end; boxes without extent are widened by the least amount */
@@ -107,6 +110,8 @@ typedef struct kdr_build_def {
     uint32_t depth_limit;    /* 0: 8 + 1.3 log2(primitives); at most KDR_MAX_DEPTH */
     float reference_limit;   /* references a primitive, over the whole tree, that splitting may use; >= 1. 0: 4, or 8
                                 where the boxes of triangles are next to empty */
+    uint32_t lazy_limit;     /* nodes of at most so many references stay closed until the first ray reaches them:
+                                KDR_MIN_LAZY_LIMIT to KDR_MAX_LAZY_LIMIT. 0: the commit opens all */
     kdr_trace_rule trace;
     kdr_nodes_rule nodes;
     kdr_mailbox_rule mailbox;

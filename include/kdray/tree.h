@@ -17,6 +17,8 @@ typedef struct kdr_tree_stats {
     uint64_t custom_count;     /* custom primitives in the tree */
     uint64_t dropped_count;    /* left out: a vertex or a box is NaN or infinite */
     uint64_t degenerate_count; /* left out: exactly zero area, no ray can hit them */
+    uint64_t closed_count;     /* nodes that the commit left closed, see kdr_build_def.lazy_limit */
+    uint64_t opened_count;     /* of these, opened by rays since: all other figures are those of the whole tree */
     uint64_t interior_count;
     uint64_t leaf_count; /* with empty ones */
     uint64_t empty_leaf_count;

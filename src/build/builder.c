@@ -6,6 +6,7 @@
 #include "build/builder.h"
 
 #include "base/check.h"
+#include "build/closing.h"
 #include "build/order.h"
 #include "build/share.h"
 #include "build/splitter.h"
@@ -33,16 +34,16 @@ static void release_buffers(kdr_workshop *shop) {
         kdr_buffer_release(shop->alloc, &shop->levels[i]);
 }
 
-kdr_workshop *kdr_workshop_create(kdr_alloc *alloc, kdr_bulk *bulk, uint32_t worker_count) {
+kdr_workshop *kdr_workshop_create(kdr_alloc *alloc, kdr_bulk *bulk, uint32_t worker_count, uint32_t most) {
     kdr_workshop *shop = kdr_alloc_get(alloc, sizeof *shop, 64);
     if (!shop)
         return NULL;
     *shop = (kdr_workshop){.alloc = alloc, .bulk = bulk, .worker_count = worker_count};
     shop->workers = kdr_alloc_array(alloc, worker_count, sizeof *shop->workers, 128);
     bool pairs = kdr_chunks_init(&shop->pairs, alloc, 2 * KDR_PAIRS_PER_CHUNK * sizeof(kdr_node),
-                                 (KDR_NODE_MAX_INDEX + 1) / KDR_PAIRS_PER_CHUNK);
-    bool ids = kdr_chunks_init(&shop->ids, alloc, KDR_IDS_PER_CHUNK * sizeof(uint32_t),
-                               (KDR_NODE_MAX_INDEX + 1) / KDR_IDS_PER_CHUNK);
+                                 (most + 1) / KDR_PAIRS_PER_CHUNK + 1);
+    bool ids =
+        kdr_chunks_init(&shop->ids, alloc, KDR_IDS_PER_CHUNK * sizeof(uint32_t), (most + 1) / KDR_IDS_PER_CHUNK + 1);
     for (uint32_t i = 0; shop->workers && i < worker_count; i++) {
         shop->workers[i] = (kdr_build_worker){0};
         init_worker(&shop->workers[i], alloc);
@@ -58,6 +59,7 @@ void kdr_workshop_destroy(kdr_workshop *shop) {
     if (!shop)
         return;
     kdr_alloc *alloc = shop->alloc;
+    kdr_openers_destroy(shop->openers);
     for (uint32_t i = 0; shop->workers && i < shop->worker_count; i++)
         empty_worker(&shop->workers[i], alloc);
     kdr_alloc_release(alloc, shop->workers, shop->worker_count * sizeof *shop->workers);
@@ -77,15 +79,19 @@ void kdr_workshop_trim(kdr_workshop *shop) {
     kdr_chunks_trim(&shop->pairs, shop->alloc);
     kdr_chunks_trim(&shop->ids, shop->alloc);
     release_buffers(shop);
+    if (shop->openers)
+        kdr_openers_trim(shop->openers);
 }
 
-static void start_over(kdr_workshop *shop) {
+void kdr_workshop_start(kdr_workshop *shop) {
     kdr_chunks_reset(&shop->pairs, shop->alloc);
     kdr_chunks_reset(&shop->ids, shop->alloc);
     for (uint32_t i = 0; i < shop->worker_count; i++) {
         kdr_build_worker *w = &shop->workers[i];
         w->pair = w->pair_end = w->id = w->id_end = 0;
         w->interiors = w->leaf_groups = w->leaves = w->done = 0;
+        w->closings = NULL;
+        kdr_arena_restore(&w->levels[0], (kdr_arena_mark){0});
     }
 }
 
@@ -126,7 +132,7 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
     *counts = (kdr_input_counts){0};
     if (input->count > KDR_NODE_MAX_INDEX)
         return KDR_ERROR_LIMIT;
-    start_over(shop);
+    kdr_workshop_start(shop);
 
     kdr_build_task root;
     kdr_status status = kdr_build_gather(&state, &root, counts);
@@ -138,6 +144,8 @@ kdr_status kdr_build(kdr_workshop *shop, const kdr_crew *crew, kdr_isa isa, cons
     if (state.plan.depth_limit > KDR_MAX_DEPTH)
         state.plan.depth_limit = KDR_MAX_DEPTH;
     status = kdr_build_settle_straddle(&state, &root.references);
+    if (count <= state.plan.lazy_limit || input->boxed)
+        state.plan.lazy_limit = 0;
     double budget = (double)count * state.plan.reference_limit;
     root.budget = budget < KDR_NODE_MAX_INDEX ? (uint64_t)budget : KDR_NODE_MAX_INDEX;
     state.budget = root.budget;

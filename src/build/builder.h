@@ -11,8 +11,8 @@
 /* Working memory that is kept from build to build; one build at a time. */
 typedef struct kdr_workshop kdr_workshop;
 
-/* NULL when there is no memory. bulk must live as long. */
-kdr_workshop *kdr_workshop_create(kdr_alloc *alloc, kdr_bulk *bulk, uint32_t worker_count);
+/* For trees of at most so many nodes and references. NULL when there is no memory. bulk must live as long. */
+kdr_workshop *kdr_workshop_create(kdr_alloc *alloc, kdr_bulk *bulk, uint32_t worker_count, uint32_t most);
 void kdr_workshop_destroy(kdr_workshop *workshop); /* NULL is allowed */
 void kdr_workshop_trim(kdr_workshop *workshop);    /* gives back what is kept */
 

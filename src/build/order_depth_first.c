@@ -7,8 +7,9 @@
  * Tracing of Dynamic Scenes", 2007: the bounded pool of tasks (section 4.1), memory by chunks (3.5); "Parallel KD Tree
  * Acceleration Structures for Ray Tracing on Multi-Core Processor", thesis, 2009, section 4.4: the left child takes its
  * parent's place in one array, right children are pushed on another. */
+#include "base/check.h"
+#include "build/closing.h"
 #include "build/order.h"
-
 #include "build/share.h"
 
 #define TOP_TASKS 256    /* at most so many tasks wait before the pool starts */
@@ -26,6 +27,11 @@ static void open_all(kdr_build_state *state, kdr_pool *pool, uint32_t worker, kd
     for (;;) {
         kdr_build_task children[2];
         kdr_arena_mark mark = kdr_arena_save(&w->arena);
+        if (kdr_stays_closed(state, task.references.count)) {
+            kdr_close(state, w, &task);
+            kdr_bulk_put(state->shop->bulk, task.memory, task.memory_size);
+            return;
+        }
         kdr_opened opened = kdr_expand(state, w, false, &task, children);
         kdr_bulk_put(state->shop->bulk, task.memory, task.memory_size);
         if (opened != KDR_OPENED_PAIR) {
@@ -45,6 +51,11 @@ static void open_all(kdr_build_state *state, kdr_pool *pool, uint32_t worker, kd
             open_all(state, pool, worker, children[1]);
         task = children[0];
     }
+}
+
+void kdr_open_alone(kdr_build_state *state, kdr_build_worker *worker, const kdr_build_task *task) {
+    KDR_CHECK(!state->share->hands_over && task->references.count <= KDR_LOCAL_LIMIT);
+    open_all(state, NULL, (uint32_t)(worker - state->shop->workers), *task);
 }
 
 static void run_task(kdr_pool *pool, void *task, uint32_t worker, void *context) {

@@ -12,6 +12,9 @@
 #define FAST_TRAVERSAL 96
 #define FAST_LEAF_LIMIT 384
 
+/* Nodes that take a tenth of a millisecond to open. */
+#define LAZY_LIMIT 4096
+
 kdr_build_def kdr_default_build_def(void) {
     return (kdr_build_def){
         .size = sizeof(kdr_build_def), .events = KDR_EVENTS_TWO, .cost_traversal = 16, .cost_intersection = 1};
@@ -19,9 +22,10 @@ kdr_build_def kdr_default_build_def(void) {
 
 kdr_build_def kdr_quality_build_def(kdr_quality quality) {
     kdr_build_def def = kdr_default_build_def();
-    if (quality == KDR_QUALITY_FAST) {
+    if (quality == KDR_QUALITY_FAST || quality == KDR_QUALITY_LAZY) {
         def.cost_traversal = FAST_TRAVERSAL;
         def.leaf_limit = FAST_LEAF_LIMIT;
+        def.lazy_limit = quality == KDR_QUALITY_LAZY ? LAZY_LIMIT : 0;
     } else if (quality == KDR_QUALITY_BEST) {
         def.split = KDR_SPLIT_SWEEP;
         def.straddle = KDR_STRADDLE_CLIP;
@@ -75,6 +79,15 @@ const char *kdr_build_def_problem(const kdr_build_def *def) {
     if (def->reference_limit != 0 &&
         !(def->reference_limit >= 1 && (double)def->reference_limit <= KDR_PLAN_COST_LIMIT))
         return "reference_limit must be 0, for the default, or at least 1 and at most 1,000,000";
+    if (def->lazy_limit != 0 && (def->lazy_limit < KDR_MIN_LAZY_LIMIT || def->lazy_limit > KDR_MAX_LAZY_LIMIT))
+        return "lazy_limit must be 0, or from 64 to 8192";
+    if (def->lazy_limit != 0 && sweep)
+        return "the sweep sorts the whole scene first: lazy-limit goes with split=binned, space or object";
+    if (def->lazy_limit != 0 && (def->order != KDR_ORDER_DEPTH_FIRST || def->retract))
+        return "lazy-limit goes with order=dfs and retract=no: rays open one node after the other";
+    if (def->lazy_limit != 0 &&
+        (def->nodes == KDR_NODES_ARRAYS || def->trace == KDR_TRACE_BACKTRACK || def->test == KDR_TEST_PROJECTION))
+        return "nodes=arrays, trace=backtrack and test=projection need the whole tree: they do not go with lazy-limit";
     if ((unsigned)def->trace > KDR_TRACE_BACKTRACK)
         return "trace must be one of kdr_trace_rule";
     if ((unsigned)def->nodes > KDR_NODES_ARRAYS)
@@ -109,6 +122,7 @@ kdr_plan kdr_plan_of(const kdr_build_def *def) {
                      .leaf_limit = def->leaf_limit,
                      .depth_limit = def->depth_limit,
                      .reference_limit = def->reference_limit,
+                     .lazy_limit = def->lazy_limit,
                      .trace = def->trace,
                      .nodes = def->nodes,
                      .mailbox = def->mailbox,

@@ -20,7 +20,7 @@ typedef struct key_choice {
     int count;
 } key_choice;
 
-static const char *const quality_names[] = {"fast", "balanced", "best"};
+static const char *const quality_names[] = {"fast", "balanced", "best", "lazy"};
 static const char *const split_names[] = {"binned", "space", "object", "sweep"};
 static const char *const axis_names[] = {"", "best", "longest", "robin"};
 static const char *const order_names[] = {"dfs", "bfs"};
@@ -49,11 +49,11 @@ typedef struct plan_key {
 
 static const plan_key keys[] = {
     {.name = "quality",
-     .allowed = "fast, balanced or best",
-     .text = "fast|balanced|best, default balanced: every other key as it suits a tree that serves one picture, a few, "
-             "or many; it counts before all others",
+     .allowed = "fast, balanced, best or lazy",
+     .text = "fast|balanced|best|lazy, default balanced: every other key as it suits a tree that serves one picture, a "
+             "few, many, or few rays of a large scene; it counts before all others",
      .kind = KEY_QUALITY,
-     .choice = {quality_names, 3}},
+     .choice = {quality_names, 4}},
     {.name = "split",
      .allowed = "binned, space, object or sweep",
      .text = "binned|space|object|sweep, default binned: where the surface area heuristic says, by bins; the middle of "
@@ -171,6 +171,15 @@ static const plan_key keys[] = {
      .offset = offsetof(kdr_build_def, nodes),
      .kind = KEY_CHOICE,
      .choice = {nodes_names, 2}},
+    {.name = "lazy-limit",
+     .allowed = "0, or a whole number from 64 to 8192",
+     .text =
+         "64 to 8192, default 0: leave nodes of at most so many triangles closed until the first ray comes; 0: none",
+     .offset = offsetof(kdr_build_def, lazy_limit),
+     .kind = KEY_WHOLE,
+     .min = KDR_MIN_LAZY_LIMIT,
+     .max = KDR_MAX_LAZY_LIMIT,
+     .or_zero = true},
     {.name = "mailbox",
      .allowed = "0, 8, 16, 32 or 64",
      .text = "0|8|16|32|64, default 0: triangles that a ray remembers having met; not with trace=auto",

@@ -32,6 +32,7 @@ typedef struct kdr_plan {
     float reference_limit;
     kdr_trace_rule trace; /* this and the next three: of no concern to the builder */
     kdr_nodes_rule nodes;
+    uint32_t lazy_limit; /* nodes of at most so many references stay closed; 0: none */
     kdr_mailbox_rule mailbox;
     kdr_triangle_test test;
     bool wide; /* add the wide tree */

@@ -19,23 +19,26 @@
 typedef struct kdr_build_worker {
     _Alignas(128) kdr_arena arena;
     kdr_buffer sorting;              /* scratch of a sort of events */
-    kdr_arena levels[2];             /* references of this level and of the next, breadth first */
+    kdr_arena levels[2];             /* breadth first: references of this level and of the next; depth first: [0] has
+                                      * those of nodes that stay closed, until they are laid out */
     uint32_t pair, pair_end;         /* pairs of the chunk it is filling */
     uint32_t id, id_end;             /* the same for leaf ids */
     uint64_t interiors, leaf_groups; /* made so far */
     uint64_t leaves;
-    uint64_t done; /* budget of what it finished and has not told yet */
+    struct kdr_closing *closings; /* the last one it made */
+    uint64_t done;                /* budget of what it finished and has not told yet */
 } kdr_build_worker;
 
 struct kdr_workshop {
     kdr_alloc *alloc;
     uint32_t worker_count;
     kdr_build_worker *workers;
-    kdr_bulk *bulk;       /* the device's */
-    kdr_chunks pairs;     /* of nodes, while the tree grows */
-    kdr_chunks ids;       /* of the leaves' primitives */
-    kdr_buffer layout;    /* for the final pass */
-    kdr_buffer levels[2]; /* tasks of this level and of the next, breadth first */
+    kdr_bulk *bulk;              /* the device's */
+    kdr_chunks pairs;            /* of nodes, while the tree grows */
+    kdr_chunks ids;              /* of the leaves' primitives */
+    kdr_buffer layout;           /* for the final pass */
+    kdr_buffer levels[2];        /* tasks of this level and of the next, breadth first */
+    struct kdr_openers *openers; /* of closed nodes; NULL before the first build that leaves any */
 };
 
 /* A node that is still to be opened. */
@@ -63,8 +66,9 @@ typedef struct kdr_build_state {
     kdr_plan plan;
     const float *corners; /* nine a primitive, where triangles are cut as references are divided; otherwise NULL */
     size_t corners_size;
-    uint32_t level;        /* breadth first: 0 or 1, by turns */
-    uint64_t budget;       /* of the root */
+    uint32_t level;  /* breadth first: 0 or 1, by turns */
+    uint64_t budget; /* of the root */
+    _Atomic uint32_t closing_count;
     _Atomic uint64_t done; /* of it, finished and told */
     _Atomic int status;    /* the first failure; workers stop when it is not KDR_OK */
 } kdr_build_state;
@@ -92,6 +96,9 @@ static inline uint32_t *kdr_growing_ids(const kdr_workshop *shop, uint32_t first
  * kdr_build_finished: a task was; kdr_build_report: so much of the whole build is done, 0 to 1. */
 void kdr_build_finished(kdr_build_state *state, kdr_build_worker *worker, const kdr_build_task *task);
 void kdr_build_report(kdr_build_state *state, double part);
+
+/* ---- builder.c: forgets the last build; memory is kept. */
+void kdr_workshop_start(kdr_workshop *shop);
 
 /* While nodes are opened. */
 void kdr_build_report_opening(kdr_build_state *state);
@@ -129,6 +136,9 @@ void kdr_expand_masked(kdr_build_state *state, kdr_build_worker *worker, const k
 
 /* ---- retract.c: makes leaves of subtrees that cost no less. Failure is left in the state. */
 void kdr_build_retract(kdr_build_state *state, const kdr_box *bounds);
+
+/* ---- order_depth_first.c: opens one task of at most KDR_LOCAL_LIMIT references by the calling thread alone. */
+void kdr_open_alone(kdr_build_state *state, kdr_build_worker *worker, const kdr_build_task *task);
 
 /* ---- layout.c: the finished tree in canonical order. */
 kdr_status kdr_build_layout(kdr_build_state *state, kdr_tree *tree);

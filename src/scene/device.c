@@ -74,7 +74,8 @@ kdr_status kdr_device_create(const kdr_device_def *given, kdr_device **out) {
         }
         device->crew.backend = kdr_thread_pool_backend(device->threads);
     }
-    device->workshop = kdr_workshop_create(&device->alloc, &device->bulk, device->crew.worker_count);
+    device->workshop =
+        kdr_workshop_create(&device->alloc, &device->bulk, device->crew.worker_count, KDR_NODE_MAX_INDEX);
     if (!device->workshop) {
         kdr_device_destroy(device);
         return kdr_device_fail(&early, KDR_ERROR_OUT_OF_MEMORY, "out of memory for the builder's tables");

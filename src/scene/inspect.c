@@ -37,6 +37,8 @@ static void add_tree(kdr_tree_stats *sum, const kdr_tree *tree) {
     sum->triangle_count += more.triangle_count;
     sum->dropped_count += more.dropped_count;
     sum->degenerate_count += more.degenerate_count;
+    sum->closed_count += more.closed_count;
+    sum->opened_count += more.opened_count;
     sum->interior_count += more.interior_count;
     sum->leaf_count += more.leaf_count;
     sum->empty_leaf_count += more.empty_leaf_count;

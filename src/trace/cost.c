@@ -9,6 +9,7 @@
 #include "trace/cost.h"
 
 #include "geometry/ray_frame.h"
+#include "tree/closed.h"
 
 #define REAL double
 #define EPSILON 0x1p-53
@@ -32,7 +33,7 @@ void kdr_cost_add(const kdr_tree *tree, const kdr_ray *ray, kdr_ray_cost *cost) 
     while (top > 0) {
         passed at = stack[--top];
         for (;;) {
-            kdr_node node = tree->nodes[at.node];
+            kdr_node node = kdr_tree_node(tree, at.node);
             cost->nodes++;
             if (kdr_node_is_leaf(node)) {
                 cost->leaves++;

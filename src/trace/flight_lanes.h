@@ -184,8 +184,13 @@ static __attribute__((noinline)) packet_bits flight_any(packet *p, packet_bits r
         f.leaves.count = 0;
         for (uint32_t turn = 0; turn < list.count; turn++) {
             flight_await(&f, p, &list, turn + FLIGHT_AHEAD);
-            uint32_t i = list.ray[turn];
-            kdr_block block = kdr_wide_block(p->tree, f.at[i].child);
+            uint32_t i = list.ray[turn], child = kdr_wide_settle(p->tree, f.at[i].child);
+            if (__builtin_expect(!(child & KDR_WIDE_LEAF), 0)) {
+                f.at[i].child = child;
+                f.nodes.ray[f.nodes.count++] = (uint8_t)i;
+                continue;
+            }
+            kdr_block block = kdr_wide_block(p->tree, child);
             kdr_block_count_block();
             bool hit = false;
             for (size_t first = 0; first < block.shown && !hit; first += KDR_LANES)

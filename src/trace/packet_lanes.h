@@ -194,6 +194,8 @@ KDR_LANES_INLINE void packet_walk(packet *p, packet_bits group, const wide_place
         if (rays == 0)
             continue;
         uint32_t child = p->tree->wide[job.parent].child[job.place];
+        if (child & KDR_WIDE_LEAF)
+            child = kdr_wide_settle(p->tree, child);
         if (child & KDR_WIDE_LEAF) {
             packet_bits found = packet_ask(p, b, kdr_wide_block(p->tree, child), rays, any);
             if (any) {

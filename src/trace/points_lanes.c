@@ -12,7 +12,7 @@
 #include "trace/points.h"
 
 #include "trace/near_lanes.h"
-#include "tree/wide.h"
+#include "tree/closed.h"
 
 /* Makes *nearest the closest of itself and triangle i of a block. */
 static __attribute__((noinline)) void take(kdr_block block, size_t i, const float query[3], kdr_nearest *nearest,
@@ -71,7 +71,7 @@ KDR_LANES_INLINE void cells_closest(const kdr_tree *tree, const float query[3], 
     for (;;) {
         if ((at.square[0] + at.square[1]) + at.square[2] <= nearest->point.square) {
             /* Go down to a leaf, on the query point's side of each plane; the other side waits. */
-            kdr_node node = tree->nodes[at.node];
+            kdr_node node = kdr_tree_node(tree, at.node);
             while (!kdr_node_is_leaf(node)) {
                 uint32_t axis = kdr_node_axis(node);
                 double beyond = (double)query[axis] - kdr_node_plane(node);
@@ -79,7 +79,7 @@ KDR_LANES_INLINE void cells_closest(const kdr_tree *tree, const float query[3], 
                 stack[top] = at;
                 stack[top].node ^= 1;
                 stack[top++].square[axis] = beyond * beyond;
-                node = tree->nodes[at.node];
+                node = kdr_tree_node(tree, at.node);
             }
             block_closest(kdr_block_of(tree->blocks, node), query, nearest, &limit);
         }
@@ -126,9 +126,11 @@ KDR_LANES_INLINE void boxes_closest(const kdr_tree *tree, const float query[3], 
     near_limit_begin(&limit, tree, query, nearest->point.square);
     uint32_t top = open_wide(tree->wide, query, limit.square, stack, 0);
     while (top > 0) {
-        const waiting_child at = stack[--top];
+        waiting_child at = stack[--top];
         if (at.square > limit.square)
             continue;
+        if (at.child & KDR_WIDE_LEAF)
+            at.child = kdr_wide_settle(tree, at.child);
         if (at.child & KDR_WIDE_LEAF)
             block_closest(kdr_wide_block(tree, at.child), query, nearest, &limit);
         else
@@ -199,7 +201,7 @@ static bool within(const kdr_tree *tree, const float query[3], double square, kd
         at.square[k] = kdr_interval_square(query[k], tree->bounds.lo[k], tree->bounds.hi[k]);
     for (;;) {
         /* Go down to a leaf; cells beyond a plane wait if they are near enough. */
-        kdr_node node = tree->nodes[at.node];
+        kdr_node node = kdr_tree_node(tree, at.node);
         while (!kdr_node_is_leaf(node)) {
             uint32_t axis = kdr_node_axis(node);
             float plane = kdr_node_plane(node);
@@ -213,7 +215,7 @@ static bool within(const kdr_tree *tree, const float query[3], double square, kd
             *(right ? &at.cell.lo[axis] : &at.cell.hi[axis]) = plane;
             *(right ? &other->cell.hi[axis] : &other->cell.lo[axis]) = plane;
             top += (other->square[0] + other->square[1]) + other->square[2] <= square;
-            node = tree->nodes[at.node];
+            node = kdr_tree_node(tree, at.node);
         }
         if (!block_within(tree, kdr_block_of(tree->blocks, node), &at.cell, query, square, &limit, visit, context))
             return false;

@@ -6,6 +6,7 @@
 #include "trace/quick_lanes.h"
 #include "trace/trace.h"
 #include "tree/block_lanes.h"
+#include "tree/closed.h"
 #include "tree/node_arrays.h"
 
 typedef struct kdr_search {
@@ -22,7 +23,7 @@ typedef struct kdr_search {
 KDR_LANES_INLINE kdr_node kdr_search_node(const kdr_search s, uint32_t i) {
     KDR_COUNT(nodes, 1);
     KDR_COUNT(node_rays, 1);
-    return s.arrays ? kdr_node_of_arrays(&s.tree->arrays, i) : s.tree->nodes[i];
+    return s.arrays ? kdr_node_of_arrays(&s.tree->arrays, i) : kdr_tree_node(s.tree, i);
 }
 
 /* Asks a leaf. True if that ends the search. */

@@ -12,7 +12,7 @@
 
 #include "geometry/quad.h"
 #include "tree/block_lanes.h"
-#include "tree/wide.h"
+#include "tree/closed.h"
 
 typedef struct wide_ray {
     float reciprocal[4];
@@ -169,6 +169,9 @@ KDR_LANES_INLINE bool kdr_wide_walk(const kdr_tree *tree, uint32_t child, const 
 
         /* Ask its block. */
         if (child != KDR_WIDE_NOTHING) {
+            child = kdr_wide_settle(tree, child);
+            if (!(child & KDR_WIDE_LEAF))
+                continue;
             if (!*framed) {
                 *framed = true;
                 kdr_ray_frame_set(f, ray, r->reciprocal, &tree->bounds);

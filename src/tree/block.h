@@ -67,6 +67,12 @@ static inline void kdr_block_triangle(kdr_block block, size_t i, float vertices[
         vertices[row / 3][row % 3] = block.rows[row * block.length + i];
 }
 
+static inline void kdr_block_set_primitive(float *blocks, kdr_node leaf, uint32_t i, uint32_t primitive) {
+    size_t length = (size_t)kdr_block_groups(kdr_node_count(leaf)) * KDR_BLOCK_GROUP;
+    primitive ^= KDR_BLOCK_PRIMITIVE_BIT;
+    memcpy(kdr_block_start(blocks, leaf) + 9 * length + i, &primitive, sizeof primitive);
+}
+
 /* Sets triangle i of a leaf's block. */
 static inline void kdr_block_set(float *blocks, kdr_node leaf, uint32_t i, const float vertices[3][3],
                                  uint32_t primitive) {
@@ -74,8 +80,7 @@ static inline void kdr_block_set(float *blocks, kdr_node leaf, uint32_t i, const
     float *at = kdr_block_start(blocks, leaf) + i;
     for (uint32_t row = 0; row < 9; row++)
         at[row * length] = vertices[row / 3][row % 3];
-    primitive ^= KDR_BLOCK_PRIMITIVE_BIT;
-    memcpy(&at[9 * length], &primitive, sizeof primitive);
+    kdr_block_set_primitive(blocks, leaf, i, primitive);
 }
 
 /* Fills what is left of a leaf's last group. The leaf holds a triangle. */

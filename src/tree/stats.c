@@ -2,6 +2,7 @@
  *
  * Source of the cost: J. D. MacDonald, K. S. Booth, "Heuristics for ray tracing using space subdivision", 1990: a ray
  * that meets the root's box meets a cell inside with probability area(cell) / area(root). */
+#include "tree/closed.h"
 #include "tree/walk.h"
 
 typedef struct counting {
@@ -37,8 +38,12 @@ void kdr_tree_count(const kdr_tree *tree, kdr_tree_stats *out) {
     *out = (kdr_tree_stats){.triangle_count = tree->primitive_count,
                             .dropped_count = tree->dropped_count,
                             .degenerate_count = tree->degenerate_count,
-                            .node_bytes = tree->node_bytes + tree->wide_bytes + tree->arrays.bytes + tree->links.bytes,
-                            .leaf_bytes = tree->block_bytes + tree->projections.bytes};
+                            .node_bytes = kdr_tree_node_bytes(tree) + tree->arrays.bytes + tree->links.bytes,
+                            .leaf_bytes = kdr_tree_block_bytes(tree) + tree->projections.bytes};
+    if (tree->closed) {
+        out->closed_count = tree->closed->count;
+        out->opened_count = __atomic_load_n(&tree->closed->opened_count, __ATOMIC_RELAXED);
+    }
     counting c = {.stats = out};
     kdr_tree_walk(tree, count_node, &c);
     double root = kdr_box_area(&tree->bounds);

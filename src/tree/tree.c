@@ -1,4 +1,5 @@
 #include "tree/boxed.h"
+#include "tree/closed.h"
 
 bool kdr_tree_reserve(kdr_tree *tree, kdr_bulk *bulk, uint32_t node_count, uint32_t group_count) {
     size_t node_bytes = (size_t)node_count * sizeof(kdr_node);
@@ -33,6 +34,8 @@ bool kdr_tree_init_empty(kdr_tree *tree, kdr_bulk *bulk) {
 }
 
 void kdr_tree_release(kdr_tree *tree, kdr_bulk *bulk) {
+    if (tree->closed)
+        tree->closed->release(tree->closed, bulk);
     kdr_bulk_put(bulk, tree->nodes, tree->node_bytes);
     kdr_bulk_put(bulk, tree->blocks, tree->block_bytes);
     kdr_bulk_put(bulk, tree->wide, tree->wide_bytes);

@@ -1,4 +1,5 @@
-/* The structure at rest: nodes, leaves and what was counted when they were made. Never changed once built. */
+/* The structure at rest: nodes, leaves and what was counted when they were made. Never changed once built, but that
+ * closed nodes are opened. */
 #ifndef KDR_TREE_TREE_H
 #define KDR_TREE_TREE_H
 
@@ -30,8 +31,9 @@ typedef struct kdr_projections {
 } kdr_projections;
 
 typedef struct kdr_tree {
-    kdr_node *nodes;     /* node 0 is the root; canonical order: depth first, left before right */
-    uint32_t node_count; /* with the unused node 1 */
+    kdr_node *nodes;     /* node 0 is the root; canonical order: depth first, left before right; below closed nodes
+                          * in the order of their opening */
+    uint32_t node_count; /* that there is room for, with the unused node 1 */
     float *blocks;       /* of triangles, or, if `boxed`, the groups of boxed.h */
     bool boxed;
     uint32_t group_count; /* of blocks or boxes */
@@ -43,6 +45,8 @@ typedef struct kdr_tree {
     bool flat_in_both; /* a triangle that lies in a split plane is on both sides of it, not on one */
     bool clipped; /* triangles were cut at planes: leaves hold those that meet their cell, not all whose box does */
     struct kdr_wide_node *wide;  /* see wide.h; NULL: not asked for, or the root is a leaf */
+    uint32_t wide_count;         /* of wide nodes when the commit ended */
+    struct kdr_closed *closed;   /* see closed.h; NULL: every node is open */
     float reach[4];              /* largest coordinate on each axis, and 0; set with `wide` */
     kdr_node_arrays arrays;      /* see node_arrays.h; not asked for: NULL */
     kdr_node_links links;        /* see node_links.h; not asked for: NULL */

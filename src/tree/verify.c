@@ -2,6 +2,7 @@
 
 #include "geometry/clip.h"
 #include "tree/boxed.h"
+#include "tree/closed.h"
 #include "tree/unsplit.h"
 #include "tree/walk.h"
 
@@ -72,7 +73,7 @@ static bool leaf_holds(const kdr_tree *tree, kdr_node leaf, uint32_t primitive) 
 
 /* True if the primitive is wherever it must be below this node. */
 static bool reaches(wanted *w, uint32_t index, const kdr_box *cell) {
-    kdr_node node = w->tree->nodes[index];
+    kdr_node node = kdr_tree_node_settled(w->tree, index);
     if (kdr_node_is_leaf(node)) {
         if (!leaf_holds(w->tree, node, w->primitive))
             return w->tree->clipped && !surely_meets(w, cell);

@@ -1,5 +1,7 @@
 #include "tree/walk.h"
 
+#include "tree/closed.h"
+
 bool kdr_tree_walk_steps(const kdr_tree *tree, kdr_walk_step_fn *visit, void *context) {
     kdr_walk stack[KDR_MAX_DEPTH + 2];
     uint32_t top = 0;
@@ -8,10 +10,10 @@ bool kdr_tree_walk_steps(const kdr_tree *tree, kdr_walk_step_fn *visit, void *co
         kdr_walk at = stack[--top];
         if (at.node >= tree->node_count || at.depth > KDR_MAX_DEPTH)
             return false;
+        kdr_node node = kdr_tree_node_settled(tree, at.node);
         kdr_cell_step step = visit(tree, &at, context);
         if (step == KDR_CELL_STOP)
             return false;
-        kdr_node node = tree->nodes[at.node];
         if (step == KDR_CELL_PAST || kdr_node_is_leaf(node))
             continue;
         uint32_t axis = kdr_node_axis(node);

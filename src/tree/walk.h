@@ -1,4 +1,5 @@
-/* Visits every node of a tree, depth first, left before right, with its cell. Depth is at most KDR_MAX_DEPTH. */
+/* Visits every node of a tree, depth first, left before right, with its cell. Depth is at most KDR_MAX_DEPTH.
+ * Closed nodes are opened on the way. */
 #ifndef KDR_TREE_WALK_H
 #define KDR_TREE_WALK_H
 

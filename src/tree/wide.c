@@ -23,6 +23,7 @@ typedef struct opening {
 typedef struct writer {
     const kdr_tree *tree;
     const kdr_shown *shown;
+    const kdr_wide_graft *graft; /* NULL: nodes and blocks stay where they are */
     kdr_bulk *bulk;
     kdr_wide_node *out; /* grows; NULL: memory ran out */
     uint32_t count, capacity;
@@ -138,12 +139,20 @@ static void order_members(const opening *o, const uint32_t place[KDR_WIDE], uint
     }
 }
 
+uint32_t kdr_wide_leaf(kdr_node leaf, uint32_t index, uint32_t shown_groups) {
+    uint32_t first = kdr_node_first(leaf), groups = kdr_block_groups(kdr_node_count(leaf));
+    if (groups > KDR_WIDE_MAX_GROUPS || first > KDR_WIDE_MAX_BLOCK || kdr_node_is_closed(leaf))
+        return KDR_WIDE_LEAF | index << KDR_WIDE_GROUP_BITS;
+    return KDR_WIDE_LEAF | first << 2 * KDR_WIDE_GROUP_BITS | groups << KDR_WIDE_GROUP_BITS | shown_groups;
+}
+
 static uint32_t leaf_child(const writer *w, uint32_t node) {
-    uint32_t first = kdr_node_first(w->tree->nodes[node]),
-             groups = kdr_block_groups(kdr_node_count(w->tree->nodes[node]));
-    if (groups > KDR_WIDE_MAX_GROUPS || first > KDR_WIDE_MAX_BLOCK)
-        return KDR_WIDE_LEAF | node << KDR_WIDE_GROUP_BITS;
-    return KDR_WIDE_LEAF | first << 2 * KDR_WIDE_GROUP_BITS | groups << KDR_WIDE_GROUP_BITS | w->shown[node].groups;
+    kdr_node leaf = w->tree->nodes[node];
+    uint32_t groups = w->shown[node].groups;
+    if (!w->graft)
+        return kdr_wide_leaf(leaf, node, groups);
+    leaf = kdr_node_leaf(kdr_node_count(leaf), kdr_node_first(leaf) + w->graft->first_group);
+    return kdr_wide_leaf(leaf, node - 2 + w->graft->first_node, groups);
 }
 
 /* Moves the nodes written so far into memory for `capacity`. */
@@ -199,7 +208,14 @@ static void join_boxes(const kdr_tree *tree, kdr_shown *shown) {
     }
 }
 
-bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_shown *shown) {
+uint32_t kdr_wide_write_graft(const kdr_tree *tree, const kdr_wide_graft *graft, kdr_shown *shown, kdr_wide_node *to) {
+    join_boxes(tree, shown);
+    writer w = {.tree = tree, .shown = shown, .graft = graft, .out = to, .capacity = UINT32_MAX};
+    write_node(&w, 0);
+    return w.count;
+}
+
+bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_shown *shown, uint32_t room) {
     if (kdr_node_is_leaf(tree->nodes[0]) || tree->node_count > KDR_WIDE_MAX_LEAF)
         return true;
     for (int k = 0; k < 3; k++) {
@@ -215,9 +231,10 @@ bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_shown *shown) {
     change_capacity(&w, interiors / 8 + 16);
     if (w.out)
         write_node(&w, 0);
-    if (w.out && w.count < w.capacity)
-        change_capacity(&w, w.count);
+    tree->wide_count = w.count;
+    if (w.out && (w.count < w.capacity || room > 0))
+        change_capacity(&w, w.count + room);
     tree->wide = w.out;
-    tree->wide_bytes = w.out ? w.count * sizeof *w.out : 0;
+    tree->wide_bytes = w.out ? w.capacity * sizeof *w.out : 0;
     return w.out != NULL;
 }

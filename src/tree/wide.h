@@ -37,20 +37,25 @@ typedef struct kdr_wide_node {
 #define KDR_WIDE_MAX_LEAF ((1u << (31 - KDR_WIDE_GROUP_BITS)) - 2)
 #define KDR_WIDE_NOTHING UINT32_MAX /* no child has this value */
 
-/* The block of a child that is a leaf. */
-static inline kdr_block kdr_wide_block(const kdr_tree *tree, uint32_t child) {
-    uint32_t shown = child & KDR_WIDE_MAX_GROUPS, index = (child & ~KDR_WIDE_LEAF) >> KDR_WIDE_GROUP_BITS;
-    if (__builtin_expect(shown == 0, 0))
-        return kdr_block_of(tree->blocks, tree->nodes[index]);
-    return kdr_block_at(tree->blocks, index >> KDR_WIDE_GROUP_BITS, index & KDR_WIDE_MAX_GROUPS, shown);
-}
-
 /* Coordinates beyond this have no wide tree: distances in it must not overflow. */
 #define KDR_WIDE_LARGEST 0x1p36f
 
 /* Makes the wide nodes. shown has one entry a node: for leaf i what it shows; those of interior nodes are written here.
  * No wide nodes are made for a tree whose root is a leaf, that has more than 2^27 nodes, or whose coordinates are too
- * large. False when there is no memory. */
-bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_shown *shown);
+ * large. room: further nodes that there is to be memory for. False when there is no memory. */
+bool kdr_tree_add_wide(kdr_tree *tree, kdr_bulk *bulk, kdr_shown *shown, uint32_t room);
+
+/* A subtree that is to hang below a node of another tree: `tree` holds its nodes alone, with 0 as its root and 2 as the
+ * next. Where its root, its other nodes and its blocks will be there. */
+typedef struct kdr_wide_graft {
+    uint32_t root, first_node, first_group;
+} kdr_wide_graft;
+
+/* Writes the wide nodes of such a subtree, whose root is not a leaf, numbered from 0; returns how many. There is room
+ * for as many as the subtree has interior nodes. */
+uint32_t kdr_wide_write_graft(const kdr_tree *tree, const kdr_wide_graft *graft, kdr_shown *shown, kdr_wide_node *to);
+
+/* What the wide tree has for a leaf. */
+uint32_t kdr_wide_leaf(kdr_node leaf, uint32_t index, uint32_t shown_groups);
 
 #endif

@@ -1,7 +1,7 @@
 /* What the wide tree shows: every triangle, whole or by all its leaves, the same for every instruction set. */
 #include "scene/scene.h"
 #include "support/soup.h"
-#include "tree/wide.h"
+#include "tree/closed.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
