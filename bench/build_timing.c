@@ -42,7 +42,7 @@ static double processor_seconds(void) {
 
 static bool plan_of(const build_variant *variant, kdr_plan *plan) {
     kdr_build_def def = kdr_default_build_def();
-    char problem[256];
+    char problem[400];
     if (kdr_build_def_parse(variant->plan, &def, problem, sizeof problem) != KDR_OK) {
         fprintf(stderr, "%s: %s\n", variant->plan, problem);
         return false;

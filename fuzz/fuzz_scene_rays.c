@@ -82,6 +82,8 @@ static kdr_build_def take_build_def(source *from) {
         def.share = (kdr_share_rule)(rules / 2 % 5);
         def.share_count = def.share == KDR_SHARE_NONE ? 0 : 1 + take_byte(from) % 20;
         def.retract = rules / 10 % 2 > 0;
+        if (def.order == KDR_ORDER_DEPTH_FIRST && !def.retract && !(flags & 128) && rules / 20 % 2)
+            def.lazy_limit = KDR_MIN_LAZY_LIMIT;
     }
     if (flags & 128) {
         uint8_t rules = take_byte(from);

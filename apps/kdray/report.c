@@ -16,6 +16,9 @@ void kdr_report_tree(FILE *file, const kdr_tree_stats *tree) {
     fprintf(file, "  triangles     %" PRIu64 "\n", tree->triangle_count);
     fprintf(file, "  dropped       %" PRIu64 "\n", tree->dropped_count);
     fprintf(file, "  degenerate    %" PRIu64 "\n", tree->degenerate_count);
+    if (tree->closed_count > 0)
+        fprintf(file, "  closed        %" PRIu64 " nodes were left to the rays, which opened %" PRIu64 "\n",
+                tree->closed_count, tree->opened_count);
     fprintf(file, "  nodes         %" PRIu64 " (%" PRIu64 " interior, %" PRIu64 " leaves)\n",
             tree->interior_count + tree->leaf_count, tree->interior_count, tree->leaf_count);
     fprintf(file, "  leaves        %" PRIu64 " (%" PRIu64 " empty, the largest with %" PRIu32 " triangles)\n",
@@ -84,6 +87,8 @@ void kdr_report_tree_json(kdr_json *json, const kdr_tree_stats *tree) {
     kdr_json_whole(json, "triangles", tree->triangle_count);
     kdr_json_whole(json, "dropped", tree->dropped_count);
     kdr_json_whole(json, "degenerate", tree->degenerate_count);
+    kdr_json_whole(json, "closed", tree->closed_count);
+    kdr_json_whole(json, "opened", tree->opened_count);
     kdr_json_whole(json, "nodes", tree->interior_count + tree->leaf_count);
     kdr_json_whole(json, "interior", tree->interior_count);
     kdr_json_whole(json, "leaves", tree->leaf_count);

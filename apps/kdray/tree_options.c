@@ -37,7 +37,7 @@ static bool find_isa(const char *name, kdr_isa *isa) {
 }
 
 static void read_plan(struct argp_state *state, const char *text, kdr_build_def *def) {
-    char problem[256];
+    char problem[400];
     if (kdr_build_def_parse(text, def, problem, sizeof problem) != KDR_OK)
         argp_error(state, "--plan: %s", problem);
 }

@@ -62,7 +62,7 @@ static const struct {
     {"L , .", "cells of the tree; fewer, more"},
     {"1 2 3", "plan: fast, balanced, best"},
     {"4 5 6", "sweep, space median, object median"},
-    {"7 8 0", "grid of 16, breadth first, as given"},
+    {"7 8 9 0", "grid of 16, breadth first, lazy, as given"},
     {"T, Shift+T", "next traversal, the one before"},
     {"P, F12", "screenshot; F11: with all text"},
     {"I", "figures on or off"},

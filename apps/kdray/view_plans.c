@@ -6,7 +6,7 @@ static const struct {
 } plans[] = {
     {"fast", "quality=fast"},        {"balanced", "quality=balanced"}, {"best", "quality=best"},
     {"sweep", "split=sweep"},        {"space median", "split=space"},  {"object median", "split=object"},
-    {"grid of 16", "share=grid/16"}, {"breadth first", "order=bfs"},
+    {"grid of 16", "share=grid/16"}, {"breadth first", "order=bfs"},   {"lazy", "quality=lazy"},
 };
 
 #define PLAN_COUNT (sizeof plans / sizeof plans[0])
@@ -31,5 +31,7 @@ kdr_build_def kdr_view_plan(const kdr_build_def *given, uint32_t number, kdr_tra
         def.mailbox = KDR_MAILBOX_NONE;
         def.test = KDR_TEST_WATERTIGHT;
     }
+    if (trace == KDR_TRACE_BACKTRACK) // it needs the links of the whole tree
+        def.lazy_limit = 0;
     return def;
 }

@@ -1,10 +1,10 @@
 /* Opens a closed node on behalf of a query.
  *
- * One thread claims the node, takes a workshop that is free and builds the subtree in it, serially, from the boxes that
- * the commit has kept and the triangles of the node's own block. Then it takes places for nodes, blocks and wide nodes
- * by three atomic additions, writes them there and publishes the node. Whoever finds the node claimed, or no workshop
- * free, asks the node's block instead. Publishing a node before all below it is written would give wrong pictures, so
- * nothing is handed to other threads on the way.
+ * One thread claims the node, takes a workshop that is free and builds the subtree in it, serially, from the
+ * triangles of the node's own block and, where the commit has kept them, their boxes. Then it takes places for nodes,
+ * blocks and wide nodes by three atomic additions, writes them there and publishes the node. Whoever finds the node
+ * claimed, or no workshop free, asks the node's block instead. Publishing a node before all below it is written would
+ * give wrong pictures, so nothing is handed to other threads on the way.
  *
  * Invariant: nothing that a query may be reading is written, but for the claim and the node's word.
  * Cost: that of building a subtree of so many references by one thread; memory comes from the workshop and is kept. */

@@ -12,7 +12,8 @@
 #define FAST_TRAVERSAL 96
 #define FAST_LEAF_LIMIT 384
 
-/* Nodes that take a tenth of a millisecond to open. */
+/* Nodes that take half a millisecond to open: larger ones leave a thread that meets them waiting for longer than the
+   commit saved, smaller ones leave the commit more to split. */
 #define LAZY_LIMIT 4096
 
 kdr_build_def kdr_default_build_def(void) {

@@ -156,6 +156,15 @@ static const plan_key keys[] = {
      .or_zero = true,
      .min = 1,
      .max = KDR_PLAN_COST_LIMIT},
+    {.name = "lazy-limit",
+     .allowed = "0, or a whole number from 64 to 8192",
+     .text =
+         "64 to 8192, default 0: leave nodes of at most so many triangles closed until the first ray comes; 0: none",
+     .offset = offsetof(kdr_build_def, lazy_limit),
+     .kind = KEY_WHOLE,
+     .min = KDR_MIN_LAZY_LIMIT,
+     .max = KDR_MAX_LAZY_LIMIT,
+     .or_zero = true},
     {.name = "trace",
      .allowed = "auto, stack, restart, push-down, short-stack or backtrack",
      .text = "auto|stack|restart|push-down|short-stack|backtrack, default auto: trace rays the fastest way, or each "
@@ -171,15 +180,6 @@ static const plan_key keys[] = {
      .offset = offsetof(kdr_build_def, nodes),
      .kind = KEY_CHOICE,
      .choice = {nodes_names, 2}},
-    {.name = "lazy-limit",
-     .allowed = "0, or a whole number from 64 to 8192",
-     .text =
-         "64 to 8192, default 0: leave nodes of at most so many triangles closed until the first ray comes; 0: none",
-     .offset = offsetof(kdr_build_def, lazy_limit),
-     .kind = KEY_WHOLE,
-     .min = KDR_MIN_LAZY_LIMIT,
-     .max = KDR_MAX_LAZY_LIMIT,
-     .or_zero = true},
     {.name = "mailbox",
      .allowed = "0, 8, 16, 32 or 64",
      .text = "0|8|16|32|64, default 0: triangles that a ray remembers having met; not with trace=auto",
@@ -260,7 +260,9 @@ static int find_word(const key_choice *choice, const char *text, size_t length) 
 
 static bool read_whole(const plan_key *key, const char *text, size_t length, uint32_t *out) {
     double value;
-    if (!read_number(text, length, "0123456789", &value) || !(value >= key->min && value <= key->max))
+    if (!read_number(text, length, "0123456789", &value))
+        return false;
+    if (!(value >= key->min && value <= key->max) && !(key->or_zero && value == 0))
         return false;
     *out = (uint32_t)value;
     return true;

@@ -2,7 +2,7 @@
 source "$(dirname "$0")/support.sh" "$@"
 
 between='order=dfs share=none events=2 straddle=auto retract=no box-weight=0 empty-bonus=1'
-usual="split=binned axis=best $between traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 reference-limit=0 trace=auto nodes=structures mailbox=0 test=watertight"
+usual="split=binned axis=best $between traversal-cost=16 intersection-cost=1 leaf-limit=64 depth-limit=0 reference-limit=0 lazy-limit=0 trace=auto nodes=structures mailbox=0 test=watertight"
 
 # The list of keys: each can be given with what the default plan has
 run info --plans
@@ -44,7 +44,7 @@ done
 # Options are applied in the order given.
 run info "$scene" -q --json - --plan "split=object leaf-limit=4" --leaf-limit 5
 holds "an option after a plan changes it" is "$(json out plan)" \
-    "split=object axis=longest $between traversal-cost=16 intersection-cost=1 leaf-limit=5 depth-limit=0 reference-limit=0 trace=auto nodes=structures mailbox=0 test=watertight"
+    "split=object axis=longest $between traversal-cost=16 intersection-cost=1 leaf-limit=5 depth-limit=0 reference-limit=0 lazy-limit=0 trace=auto nodes=structures mailbox=0 test=watertight"
 run info "$scene" -q --json - --leaf-limit 5 --plan "depth-limit=7"
 holds "a plan replaces what came before it" is "$(json out plan)" "${usual/depth-limit=0/depth-limit=7}"
 

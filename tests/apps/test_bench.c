@@ -417,11 +417,11 @@ static void build_constants_reach_the_builder(void **state) {
     double usual = number(&csv, 0, "bytes_per_triangle"), hits = number(&csv, 0, "hits");
     static char text[TEXT_SIZE];
     read_text("b.csv", text);
-    assert_non_null(strstr(text,
-                           "# plan: split=binned axis=best order=dfs share=none events=2 straddle=auto retract=no "
-                           "box-weight=0 empty-bonus=1 traversal-cost=2.5 intersection-cost=1.5 "
-                           "leaf-limit=2000 depth-limit=1 reference-limit=1.25 trace=auto nodes=structures mailbox=0 "
-                           "test=watertight\n"));
+    assert_non_null(strstr(
+        text, "# plan: split=binned axis=best order=dfs share=none events=2 straddle=auto retract=no "
+              "box-weight=0 empty-bonus=1 traversal-cost=2.5 intersection-cost=1.5 "
+              "leaf-limit=2000 depth-limit=1 reference-limit=1.25 lazy-limit=0 trace=auto nodes=structures mailbox=0 "
+              "test=watertight\n"));
     read_csv("b.csv", &csv);
     assert_true(number(&csv, 0, "bytes_per_triangle") != usual);
     assert_true(number(&csv, 0, "hits") == hits);

@@ -86,7 +86,7 @@ static void the_tree_is_the_eager_one_once_all_is_open(void **state) {
         }
         soup_scene_destroy(&soup);
     }
-    assert_true(closed_in_all > 1000);
+    assert_true(closed_in_all > TEST_SIZE(1000));
 }
 
 static void answers_are_the_oracle_s_whatever_opens_first(void **state) {
