@@ -1,10 +1,12 @@
-/* Frames after the first few: a commit takes no memory from anybody, and touches no page that was not there. */
+/* Frames after the first few: neither a commit nor a ray takes no memory from anybody, and touches no page that was not
+ * there. */
 #include "support/everywhere.h"
 #include "support/failing_alloc.h"
 #include "support/soup.h"
 #include "support/test_size.h"
 
 #include <setjmp.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <sys/resource.h>
@@ -12,6 +14,7 @@
 #include <cmocka.h>
 
 #define TRIANGLES TEST_SIZE(12000)
+#define RAYS 100
 
 static void ball_bounds(uint32_t i, float lo[3], float hi[3], void *user) {
     const float *moved = user;
@@ -84,11 +87,24 @@ static void commit_frame(frames *f, const kdr_build_def *plan) {
         if (g != 3)
             assert_int_equal(kdr_scene_touch(f->scene, g), KDR_OK);
     assert_int_equal(kdr_scene_commit(f->scene, plan), KDR_OK);
+
+    /* A lazy tree is opened by rays. */
+    test_random random = test_random_start(1, 61);
+    for (int i = 0; i < RAYS; i++) {
+        kdr_ray_hit hit = {.ray = {.tmax = INFINITY}};
+        for (int k = 0; k < 3; k++) {
+            (&hit.ray.origin_x)[k] = test_random_between(&random, -1, 1);
+            (&hit.ray.direction_x)[k] = test_random_between(&random, -1, 1);
+        }
+        kdr_intersect1(f->scene, &hit);
+    }
 }
 
 static const char *const plans[] = {"",
                                     "quality=fast",
                                     "quality=best",
+                                    "quality=lazy lazy-limit=64",
+                                    "quality=lazy straddle=clip",
                                     "order=bfs",
                                     "split=sweep events=3",
                                     "split=space share=grid/8",

@@ -71,7 +71,8 @@ static void hold_frame(kdr_device *device, const kdr_scene *scene, const kdr_mes
 
 static void every_frame_is_the_scene_built_afresh_and_answers_as_the_oracle(void **state) {
     (void)state;
-    static const char *const plans[] = {"", "quality=fast", "split=sweep", "split=space order=bfs"};
+    static const char *const plans[] = {"", "quality=fast", "split=sweep", "split=space order=bfs",
+                                        "quality=lazy lazy-limit=64"};
     uint64_t sequence = 0;
     for (size_t i = 0; kdr_mesh_builtin_name(i); i++) {
         if (!kdr_mesh_builtin_moves(i))
@@ -84,7 +85,7 @@ static void every_frame_is_the_scene_built_afresh_and_answers_as_the_oracle(void
             size_t triangles = TRIANGLES >> (frame * 5 % 3);
             kdr_build_def plan;
             kdr_mesh *mesh;
-            assert_int_equal(kdr_build_def_parse(plans[(i + frame / 2) % 4], &plan, NULL, 0), KDR_OK);
+            assert_int_equal(kdr_build_def_parse(plans[(i + frame / 2) % 5], &plan, NULL, 0), KDR_OK);
             assert_int_equal(kdr_mesh_make(kdr_mesh_builtin_name(i), triangles, 0.17 * (double)frame, NULL, &mesh),
                              KDR_OK);
             show(scene, mesh, &plan);
